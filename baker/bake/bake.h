@@ -1,0 +1,45 @@
+/// From a glTF file to a lightmapped glTF file: the list of stages, and nothing else. Each stage is a function from value
+/// to value; what is expensive is kept in the bake folder under a name made of its inputs, and not run again.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "baker/bake/report.h"
+#include "baker/light/interpolate.h"
+#include "baker/output/lightmap_encode.h"
+#include "baker/unwrap/unwrap.h"
+
+namespace luxel {
+
+/// What the user may choose. Values are final here: presets are resolved by the command line.
+struct BakeOptions {
+    std::filesystem::path input, output;
+    std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
+
+    UnwrapOptions unwrap;
+    std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
+    std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory
+    std::uint32_t replicates = 4;        ///< independent ray sequences per patch
+    std::uint64_t rays = 1024;           ///< evidence rays per patch at least; rounded up to replicates * 2^k
+    std::uint32_t closure_iterations = 16;
+    double tolerance = 1e-3;          ///< of the solve: bound of the relative error
+    std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
+    std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
+    Interpolation interpolation = Interpolation::linear;
+    LightmapEncoding encoding = LightmapEncoding::srgb8;
+    std::uint64_t seed = 0;
+
+    std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< beside the scene's geometry
+    unsigned threads = 0;                                 ///< 0: all cores
+    std::string software = "luxel";                       ///< name and version for metadata
+
+    /// (stage, done, total, unit): now and then, from any thread, one at a time.
+    std::function<void(const std::string&, std::uint64_t, std::uint64_t, const char*)> progress;
+};
+
+/// Runs all stages. Throws Error; nothing half-written stays at the output's place. The report is complete on return.
+BakeReport bake(const BakeOptions& options);
+
+}  // namespace luxel

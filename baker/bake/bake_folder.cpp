@@ -1,0 +1,58 @@
+#include "baker/bake/bake_folder.h"
+
+#include <stdlib.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "formats/base/file.h"
+
+namespace luxel {
+
+BakeFolder::BakeFolder(const std::filesystem::path& work, const std::filesystem::path& output) : root_(work) {
+    if (!work.empty()) {
+        make_folder(root_);
+        return;
+    }
+    std::string name = output.string() + ".luxel-XXXXXX";
+    if (!::mkdtemp(name.data()))
+        throw Error(ErrorCode::cannot_write, output.string(),
+                    std::string("cannot make a temporary folder beside the output: ") + std::strerror(errno),
+                    "check that the output's folder exists and can be written, or name a bake folder with --work");
+    root_ = name;
+    temporary_ = true;
+}
+
+BakeFolder::~BakeFolder() {
+    std::error_code ignored;
+    if (temporary_) std::filesystem::remove_all(root_, ignored);
+}
+
+std::filesystem::path BakeFolder::atlas(const Key& key) const { return root_ / ("atlas-" + key.text() + ".lxa"); }
+std::filesystem::path BakeFolder::closure(const Key& key) const { return root_ / ("closure-" + key.text() + ".lxc"); }
+std::filesystem::path BakeFolder::solution(const Key& key) const { return root_ / ("solution-" + key.text() + ".lxr"); }
+
+std::filesystem::path BakeFolder::evidence(const Key& key) const {
+    const auto folder = root_ / ("evidence-" + key.text());
+    make_folder(folder);
+    return folder;
+}
+std::filesystem::path BakeFolder::strips(const Key& key) const {
+    const auto folder = root_ / ("strips-" + key.text());
+    make_folder(folder);
+    return folder;
+}
+std::filesystem::path BakeFolder::lightmaps(const Key& key) const {
+    const auto folder = root_ / ("lightmaps-" + key.text());
+    make_folder(folder);
+    return folder;
+}
+
+std::filesystem::path BakeFolder::evidence_file(const std::filesystem::path& folder, std::uint32_t chunk) {
+    return folder / ("chunk-" + std::to_string(chunk) + ".lxe");
+}
+std::filesystem::path BakeFolder::lightmap_file(const std::filesystem::path& folder, std::uint32_t page) {
+    return folder / ("page-" + std::to_string(page) + ".lxp");
+}
+
+}  // namespace luxel

@@ -1,0 +1,42 @@
+/// Names of everything in a bake folder, built here and nowhere else.
+///
+///     atlas-<key>.lxa                     unwrap/atlas_file.h
+///     evidence-<key>/chunk-<n>.lxe        formats/bake/evidence_file.md
+///     strips-<key>/strip-<n>.lxs          formats/bake/strip_file.md
+///     closure-<key>.lxc                   stage_files.h
+///     solution-<key>.lxr                  stage_files.h
+///     lightmaps-<key>/page-<n>.lxp        stage_files.h
+///
+/// <key> is the hash of the stage's inputs and options: another input gives another name, so nothing is ever stale.
+#pragma once
+#include <filesystem>
+
+#include "formats/base/hash.h"
+
+namespace luxel {
+
+class BakeFolder {
+  public:
+    /// `work` is kept; when it is empty, a temporary folder beside `output` is made and removed with this object.
+    BakeFolder(const std::filesystem::path& work, const std::filesystem::path& output);
+    ~BakeFolder();
+    BakeFolder(const BakeFolder&) = delete;
+    BakeFolder& operator=(const BakeFolder&) = delete;
+
+    [[nodiscard]] const std::filesystem::path& root() const { return root_; }
+    [[nodiscard]] std::filesystem::path atlas(const Key& key) const;
+    [[nodiscard]] std::filesystem::path evidence(const Key& key) const;  ///< folder, made if missing
+    [[nodiscard]] std::filesystem::path strips(const Key& key) const;    ///< folder, made if missing
+    [[nodiscard]] std::filesystem::path closure(const Key& key) const;
+    [[nodiscard]] std::filesystem::path solution(const Key& key) const;
+    [[nodiscard]] std::filesystem::path lightmaps(const Key& key) const;  ///< folder, made if missing
+
+    static std::filesystem::path evidence_file(const std::filesystem::path& folder, std::uint32_t chunk);
+    static std::filesystem::path lightmap_file(const std::filesystem::path& folder, std::uint32_t page);
+
+  private:
+    std::filesystem::path root_;
+    bool temporary_ = false;
+};
+
+}  // namespace luxel

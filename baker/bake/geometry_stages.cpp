@@ -1,0 +1,138 @@
+#include "baker/bake/geometry_stages.h"
+
+#include "baker/chunks/spatial_tiles.h"
+#include "baker/core/memory.h"
+#include "baker/patches/patch_build.h"
+#include "baker/patches/patch_set.h"
+#include "baker/patches/texel_raster.h"
+#include "baker/scene/scene_build.h"
+#include "baker/trace/open_backs.h"
+#include "baker/unwrap/atlas_file.h"
+#include "formats/gltf/gltf_in.h"
+#include "formats/image/image_file.h"
+
+namespace luxel {
+namespace {
+
+std::optional<DecodedImage> decode(ByteView bytes, const std::string& name) {
+    try {
+        ImagePixels pixels = decode_image(bytes, name);
+        return DecodedImage{pixels.width, pixels.height, std::move(pixels.pixels)};
+    } catch (const Error& error) {
+        // A picture that cannot be read costs its texture, not the bake; scene_build warns. A missing module stops.
+        if (error.code == ErrorCode::bad_input) return {};
+        throw;
+    }
+}
+
+/// Parts of glTF that are read and carried through, but do not yet take part in the light.
+void warn_of_simplifications(const Scene& scene, const SceneRecord& record, std::vector<Warning>& warnings) {
+    std::vector<bool> used(scene.materials.size());
+    for (const Object& object : scene.objects) used[object.material] = true;
+    for (std::size_t m = 0; m < scene.materials.size(); ++m)
+        if (used[m] && scene.materials[m].alpha_mode != AlphaMode::opaque)
+            warnings.push_back({"alpha-opaque", scene.materials[m].name,
+                                "alpha " + std::string(scene.materials[m].alpha_mode == AlphaMode::mask ? "MASK" : "BLEND") +
+                                    " counts as opaque for light"});
+    for (const MaterialRecord& material : record.materials)
+        if (material.transmission > 0)
+            warnings.push_back({"transmission-opaque", material.name, "transmission counts as opaque for light"});
+}
+
+Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
+    return KeyBuilder("atlas 1")
+        .key(scene.geometry_key)
+        .number(o.texels_per_metre)
+        .integer(o.page_size)
+        .integer(o.padding)
+        .integer(static_cast<int>(o.uv_mode))
+        .integer(o.piece_triangles)
+        .finish();
+}
+
+void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
+    g.document = load_gltf(options.input);
+    g.record = read_scene(g.document);
+    report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
+    report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
+    g.scene = build_scene(g.record, decode, {}, report.warnings);
+    warn_of_simplifications(g.scene, g.record, report.warnings);
+    if (g.scene.triangles.empty())
+        throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",
+                    "nothing can be baked; check that the default scene shows a mesh");
+    report.triangles = g.scene.triangle_count();
+}
+
+/// Returns true if the atlas was in the bake folder.
+bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const StageClock& clock, BakedGeometry& g,
+                  BakeReport& report) {
+    const Key key = atlas_key(g.scene, options.unwrap);
+    const auto path = folder.atlas(key);
+    const bool reused = std::filesystem::exists(path);
+    if (reused) {
+        g.atlas = load_atlas(path, key, g.scene);
+    } else {
+        g.atlas = unwrap(g.scene, options.unwrap, report.warnings, clock.progress("triangles"));
+        save_atlas(path, key, g.atlas);
+    }
+    report.charts = g.atlas.charts.size();
+    report.pages = g.atlas.page_count;
+    report.texels_per_metre = static_cast<double>(g.atlas.texels_per_metre);
+    return reused;
+}
+
+void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
+    const std::vector<bool> open_backs = find_open_backs(g.scene, g.atlas, g.patches, *g.tracer);
+    g.patches = add_back_sides(std::move(g.patches), open_backs);
+    Tiling tiling = tile_patches(g.patches, {options.chunk_patches});
+    renumber(g.patches, tiling.new_number);
+    g.layout = std::move(tiling.layout);
+    report.patches = g.patches.count();
+    report.chunks = g.layout.chunk_count();
+    KeyBuilder key("chunks 1");
+    key.key(atlas_key(g.scene, options.unwrap)).integer(options.patch_texels);
+    for (const Patch& patch : g.patches.patches) key.integer(static_cast<std::int64_t>(patch.id));
+    g.layout_key = key.array(std::span<const PatchNumber>(g.layout.first_patch)).finish();
+}
+
+}  // namespace
+
+std::uint64_t BakedGeometry::resident_bytes() const {
+    std::uint64_t bytes = scene.resident_bytes() + atlas.resident_bytes() + texels.resident_bytes() +
+                          patches.resident_bytes() + (tracer ? tracer->resident_bytes() : 0);
+    for (const Bytes& buffer : document.buffers) bytes += buffer.size();
+    for (const auto& view : document.decoded_views) bytes += view ? view->size() : 0;
+    for (const ImageRecord& image : record.images) bytes += image.bytes.size();
+    for (const MeshRecord& mesh : record.meshes)
+        for (const PrimitiveRecord& p : mesh.primitives)
+            bytes += p.positions.size() * sizeof(p.positions[0]) + p.normals.size() * sizeof(p.normals[0]) +
+                     (p.uv[0].size() + p.uv[1].size()) * sizeof(p.uv[0][0]) + p.indices.size() * sizeof(p.indices[0]);
+    return bytes;
+}
+
+std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, const BakeFolder& folder, StageClock& clock,
+                                                BakeReport& report) {
+    auto g = std::make_unique<BakedGeometry>();
+    clock.stage("read", [&] {
+        read(options, *g, report);
+        return false;
+    });
+    clock.stage("unwrap", [&] { return unwrap_scene(options, folder, clock, *g, report); });
+    clock.stage("texels", [&] {
+        g->texels = raster_texels(g->scene, g->atlas);
+        report.texels = g->texels.texel_count();
+        return false;
+    });
+    clock.stage("patches", [&] {
+        g->patches = build_patches(g->scene, g->atlas, g->texels, {options.patch_texels});
+        return false;
+    });
+    clock.stage("chunks", [&] {
+        g->tracer = std::make_unique<Tracer>(g->scene);
+        number_patches(options, *g, report);
+        return false;
+    });
+    return g;
+}
+
+}  // namespace luxel

@@ -1,0 +1,34 @@
+/// The first half of the way: file -> scene -> atlas -> texels -> patches in chunks. Everything here stays in memory for
+/// the whole bake: it is the scene's geometry, which --memory does not count.
+#pragma once
+#include <memory>
+
+#include "baker/bake/bake.h"
+#include "baker/bake/bake_folder.h"
+#include "baker/bake/stage_clock.h"
+#include "baker/formfactors/block_source.h"
+#include "baker/patches/patch.h"
+#include "baker/trace/tracer.h"
+#include "formats/gltf/gltf_document.h"
+
+namespace luxel {
+
+struct BakedGeometry {
+    GltfDocument document;
+    SceneRecord record;
+    Scene scene;
+    Atlas atlas;
+    TexelSet texels;
+    PatchSet patches;  ///< numbered by chunk, open backs included
+    ChunkLayout layout;
+    std::unique_ptr<Tracer> tracer;  ///< refers to `scene`
+    Key layout_key;                  ///< of geometry, atlas, patches and their numbers
+
+    [[nodiscard]] std::uint64_t resident_bytes() const;
+};
+
+/// Returned behind a pointer because the tracer refers to the scene. Warnings and counts go into the report.
+std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, const BakeFolder& folder, StageClock& clock,
+                                                BakeReport& report);
+
+}  // namespace luxel

@@ -1,0 +1,47 @@
+#include "baker/bake/memory_plan.h"
+
+#include <algorithm>
+
+#include "formats/base/error.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
+/// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
+constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
+/// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
+/// padded to 4 in the kernels), closure (3), tallies and index by id.
+constexpr std::uint64_t bytes_per_patch = 320;
+/// A page on its way out: float RGB, mask, 8 bit RGB, and the encoders' copies of them.
+constexpr std::uint64_t bytes_per_page_texel = 12 + 1 + 3 + 24;
+/// Smallest share that pooling and the block cache work with.
+constexpr std::uint64_t working_bytes = 24 * mebibyte;
+
+}  // namespace
+
+MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
+                       std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
+                       bool image_library_loaded) {
+    // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
+    // as much again for its counts.
+    const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
+    const std::uint64_t blocks = pairs * 12 * threads;
+    const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
+    const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page;
+    const std::uint64_t solving = patch_count * bytes_per_patch + blocks + working_bytes;
+    MemoryPlan plan;
+    plan.floor_bytes = fixed_bytes + std::max(writing, solving);
+    if (budget_bytes < plan.floor_bytes) {
+        const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
+        throw Error(ErrorCode::budget_too_small, "--memory",
+                    std::to_string(budget_bytes / mebibyte) + "M is too small for " + std::to_string(patch_count) + " patches",
+                    "use --memory " + std::to_string(smallest) + "M or more; the scene's geometry is not counted");
+    }
+    const std::uint64_t spare = budget_bytes - fixed_bytes - solving + working_bytes;
+    plan.pooling_bytes = spare / 2;
+    plan.cache_bytes = spare * 3 / 4;
+    return plan;
+}
+
+}  // namespace luxel

@@ -1,0 +1,49 @@
+/// What a bake did: the plain data behind --report. tools/luxel/report_json writes it; docs/report.md is its schema.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/base/error.h"
+
+namespace luxel {
+
+struct StageReport {
+    std::string name;
+    double seconds = 0;
+    std::uint64_t peak_bytes = 0;  ///< highest resident size during the stage
+    bool reused = false;           ///< its result was in the bake folder
+};
+
+struct OutputReport {
+    std::string path, kind, quantity, unit, encoding;
+    double intensity = 1;
+};
+
+struct BakeReport {
+    std::vector<std::pair<std::string, std::string>> settings;  ///< name, value as text
+
+    std::uint64_t triangles = 0, charts = 0, pages = 0, texels = 0, patches = 0, chunks = 0, blocks = 0, pairs = 0;
+    double texels_per_metre = 0;
+    std::uint64_t store_bytes = 0;
+    std::uint64_t evidence_rays = 0, evidence_rounds = 0;
+    double evidence_seconds = 0;
+    std::uint32_t closure_iterations = 0;
+    double closure_row_error_before = 0, closure_row_error_after = 0;
+
+    std::string solver;
+    double reads = 0, error_bound = 0;
+    bool converged = true;
+    std::vector<std::pair<std::uint64_t, double>> history;  ///< bytes read, error bound
+
+    std::array<double, 3> emitted_lm{}, absorbed_lm{}, lost_lm{};
+
+    std::vector<StageReport> stages;
+    std::uint64_t budget_bytes = 0, peak_bytes = 0, geometry_bytes = 0, floor_bytes = 0;
+    std::vector<Warning> warnings;
+    std::vector<std::pair<std::string, std::string>> skipped;  ///< part, why
+    std::vector<OutputReport> outputs;
+};
+
+}  // namespace luxel

@@ -1,0 +1,127 @@
+#include "baker/bake/stage_files.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::uint32_t version = 1;
+
+void check_size(const BlockFileReader& file, std::size_t found, std::size_t expected, const char* column) {
+    if (found != expected)
+        throw Error(ErrorCode::damaged_store, file.name(),
+                    std::string("column ") + column + " has " + std::to_string(found) + " numbers, expected " +
+                        std::to_string(expected),
+                    "remove the file and run the same command again");
+}
+
+void check_blocks(const BlockFileReader& file, std::size_t expected) {
+    check_size(file, file.blocks().size(), expected, "count");
+}
+
+std::vector<double> flat(const std::vector<Channels>& values) {
+    std::vector<double> all;
+    all.reserve(values.size() * 3);
+    for (const Channels& value : values) all.insert(all.end(), value.begin(), value.end());
+    return all;
+}
+
+std::vector<Channels> channels(const std::vector<double>& values) {
+    std::vector<Channels> all(values.size() / 3);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
+    return all;
+}
+
+bool absent(const std::filesystem::path& path) {
+    std::error_code ignored;
+    return !std::filesystem::exists(path, ignored);
+}
+
+}  // namespace
+
+void save_closure(const std::filesystem::path& path, const Key& key, const Closure& closure) {
+    BlockFileWriter file(path, FileKind::closure, version, key);
+    append_column<double>(file, 0, closure.mu);
+    append_column<double>(file, 1, closure.diagonal_m2);
+    append_column<double>(file, 2, closure.row_open_m2);
+    const ClosureReport& r = closure.report;
+    const std::vector<double> report{static_cast<double>(r.iterations), r.max_row_error_before, r.mean_row_error_before,
+                                     r.max_row_error_after, r.mean_row_error_after, r.diagonal_share, r.remainder_share};
+    append_column<double>(file, 3, report);
+    file.publish();
+}
+
+std::optional<Closure> load_closure(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::closure, version, &key);
+    check_blocks(file, 4);
+    Closure closure;
+    closure.mu = read_column<double>(file, 0);
+    closure.diagonal_m2 = read_column<double>(file, 1);
+    closure.row_open_m2 = read_column<double>(file, 2);
+    const auto report = read_column<double>(file, 3);
+    check_size(file, closure.mu.size(), patch_count, "mu");
+    check_size(file, closure.diagonal_m2.size(), patch_count, "diagonal");
+    check_size(file, closure.row_open_m2.size(), patch_count, "open");
+    check_size(file, report.size(), 7, "report");
+    closure.report = {static_cast<std::uint32_t>(report[0]), report[1], report[2], report[3], report[4], report[5], report[6]};
+    return closure;
+}
+
+void save_solution(const std::filesystem::path& path, const Key& key, const SolveResult& result) {
+    BlockFileWriter file(path, FileKind::solution, version, key);
+    append_column<double>(file, 0, flat(result.radiosity));
+    append_column<double>(file, 1, flat(result.unshot));
+    const std::vector<double> report{result.error_bound, result.reads, result.converged ? 1.0 : 0.0};
+    append_column<double>(file, 2, report);
+    std::vector<double> history;
+    for (const SolveStep& step : result.history) {
+        history.push_back(static_cast<double>(step.bytes_read));
+        history.push_back(step.error_bound);
+    }
+    append_column<double>(file, 3, history);
+    file.append(4, ByteView(reinterpret_cast<const std::uint8_t*>(result.solver.data()), result.solver.size()), 0);
+    file.publish();
+}
+
+std::optional<SolveResult> load_solution(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::solution, version, &key);
+    check_blocks(file, 5);
+    SolveResult result;
+    const auto radiosity = read_column<double>(file, 0), unshot = read_column<double>(file, 1);
+    const auto report = read_column<double>(file, 2), history = read_column<double>(file, 3);
+    check_size(file, radiosity.size(), 3 * patch_count, "radiosity");
+    check_size(file, unshot.size(), 3 * patch_count, "unshot");
+    check_size(file, report.size(), 3, "report");
+    check_size(file, history.size() % 2, 0, "history");
+    result.radiosity = channels(radiosity);
+    result.unshot = channels(unshot);
+    result.error_bound = report[0];
+    result.reads = report[1];
+    result.converged = report[2] != 0;
+    for (std::size_t k = 0; k < history.size(); k += 2)
+        result.history.push_back({static_cast<std::uint64_t>(history[k]), history[k + 1]});
+    const Bytes name = file.read(4);
+    result.solver.assign(name.begin(), name.end());
+    return result;
+}
+
+void save_lightmap(const std::filesystem::path& path, const Key& key, std::span<const Rgb> irradiance) {
+    BlockFileWriter file(path, FileKind::lightmap, version, key);
+    append_column<float>(file, 0, {reinterpret_cast<const float*>(irradiance.data()), irradiance.size() * 3});
+    file.publish();
+}
+
+std::optional<std::vector<Rgb>> load_lightmap(const std::filesystem::path& path, const Key& key,
+                                              std::size_t texel_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::lightmap, version, &key);
+    check_blocks(file, 1);
+    const auto values = read_column<float>(file, 0);
+    check_size(file, values.size(), 3 * texel_count, "irradiance");
+    std::vector<Rgb> irradiance(texel_count);
+    for (std::size_t k = 0; k < texel_count; ++k)
+        irradiance[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
+    return irradiance;
+}
+
+}  // namespace luxel

@@ -1,0 +1,169 @@
+#include "baker/bake/write_stage.h"
+
+#include "baker/bake/stage_files.h"
+#include "baker/output/dilate.h"
+#include "baker/output/sidecar.h"
+#include "formats/base/file.h"
+#include "formats/gltf/gltf_out.h"
+
+namespace luxel {
+namespace {
+
+/// Removes what was written so far unless the whole set is complete.
+class OutputSet {
+  public:
+    ~OutputSet() {
+        std::error_code ignored;
+        if (!complete_)
+            for (const auto& path : files_) std::filesystem::remove(path, ignored);
+    }
+    void add(const std::filesystem::path& path) { files_.push_back(path); }
+    void complete() { complete_ = true; }
+
+  private:
+    std::vector<std::filesystem::path> files_;
+    bool complete_ = false;
+};
+
+struct PageImage {
+    std::vector<Rgb> values;
+    std::vector<std::uint8_t> mask;
+};
+
+PageImage page_image(const BakedGeometry& g, std::uint32_t page, const std::vector<Rgb>& irradiance) {
+    const std::uint32_t size = g.atlas.page_size;
+    PageImage image{std::vector<Rgb>(std::size_t{size} * size, Rgb(0, 0, 0)),
+                    std::vector<std::uint8_t>(std::size_t{size} * size, texel_empty)};
+    const std::vector<Texel>& texels = g.texels.pages[page].texels;
+    for (std::size_t k = 0; k < texels.size(); ++k) {
+        const std::size_t at = std::size_t{texels[k].y} * size + texels[k].x;
+        image.values[at] = irradiance[k];
+        image.mask[at] = texel_covered;
+    }
+    dilate(image.values, image.mask, size, size, std::max(1u, g.atlas.padding));
+    return image;
+}
+
+/// Lightmap coordinates of every primitive of every instance, in the shape that the writer wants.
+std::vector<InstanceLayout> primitive_layouts(const BakedGeometry& g) {
+    std::vector<InstanceLayout> layouts(g.record.instances.size());
+    const float scale = 1.0f / static_cast<float>(g.atlas.page_size);
+    for (const Object& object : g.scene.objects) {
+        const InstanceRecord& instance = g.record.instances[object.instance];
+        if (instance.gpu_instance >= 0) continue;
+        const MeshRecord& mesh = g.record.meshes[static_cast<std::size_t>(instance.mesh)];
+        InstanceLayout& layout = layouts[object.instance];
+        layout.resize(mesh.primitives.size());
+        const std::size_t triangles = mesh.primitives[object.primitive].indices.size() / 3;
+        PrimitiveLayout& primitive = layout[object.primitive];
+        primitive.corner_uv.assign(triangles * 3, Vec2f(0, 0));
+        primitive.triangle_page.assign(triangles, no_page);
+        for (std::uint32_t t = object.first_triangle; t < object.first_triangle + object.triangle_count; ++t) {
+            const std::uint32_t source = g.scene.source_triangle[t];
+            primitive.triangle_page[source] = g.atlas.charts[g.atlas.triangle_chart[t]].page;
+            for (int k = 0; k < 3; ++k) {
+                // Mirrored instances had corners 1 and 2 swapped when the scene was built.
+                const int corner = object.mirrored && k > 0 ? 3 - k : k;
+                primitive.corner_uv[std::size_t{3} * source + static_cast<std::size_t>(corner)] =
+                    g.atlas.page_uv(t, k) * scale;
+            }
+        }
+    }
+    // A primitive without any surface (all of it dropped) still needs an entry of its size.
+    for (std::size_t i = 0; i < layouts.size(); ++i) {
+        const auto& primitives = g.record.meshes[static_cast<std::size_t>(g.record.instances[i].mesh)].primitives;
+        for (std::size_t p = 0; p < layouts[i].size(); ++p) {
+            const std::size_t triangles = primitives[p].indices.size() / 3;
+            if (layouts[i][p].triangle_page.size() != triangles) {
+                layouts[i][p].corner_uv.assign(triangles * 3, Vec2f(0, 0));
+                layouts[i][p].triangle_page.assign(triangles, no_page);
+            }
+        }
+    }
+    return layouts;
+}
+
+void warn_of_gpu_instances(const BakedGeometry& g, std::vector<Warning>& warnings) {
+    std::size_t count = 0;
+    for (const InstanceRecord& instance : g.record.instances) count += instance.gpu_instance >= 0;
+    if (count)
+        warnings.push_back({"gpu-instances-without-map", "EXT_mesh_gpu_instancing",
+                            std::to_string(count) + " instances cast and reflect light, but their maps are only in the EXR "
+                                                    "pages: the extension has no place for them"});
+}
+
+class Writer {
+  public:
+    Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, BakeReport& report)
+        : options_(options), g_(geometry), light_(light), report_(report) {}
+
+    void run(const ProgressFunction& progress) {
+        sidecar_.generator = lightmaps_.version = options_.software;
+        sidecar_.model = options_.output.filename().string();
+        sidecar_.texels_per_metre = static_cast<double>(g_.atlas.texels_per_metre);
+        lightmaps_.encoding = encoding_name(options_.encoding);
+        for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
+            write_page(page);
+            if (progress) progress(page + 1, g_.atlas.page_count + 1);
+        }
+        lightmaps_.instances = primitive_layouts(g_);
+        warn_of_gpu_instances(g_, report_.warnings);
+        const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_);
+        for (const auto& file : written.files) written_.add(file);
+        report_.warnings.insert(report_.warnings.end(), written.warnings.begin(), written.warnings.end());
+        report_.outputs.push_back({options_.output.string(), "model", "", "", "", 1});
+        const auto sidecar = sidecar_path(options_.output);
+        write_sidecar(sidecar, sidecar_);
+        report_.outputs.push_back({sidecar.string(), "sidecar", "", "", "", 1});
+        written_.complete();
+    }
+
+  private:
+    void write_page(std::uint32_t page) {
+        const auto irradiance = load_lightmap(BakeFolder::lightmap_file(light_.folder, page), light_.key,
+                                              g_.texels.pages[page].texels.size());
+        if (!irradiance)
+            throw Error(ErrorCode::damaged_store, light_.folder.string(), "page " + std::to_string(page) + " is gone",
+                        "run the same command again");
+        const PageImage image = page_image(g_, page, *irradiance);
+        const std::uint32_t size = g_.atlas.page_size;
+        const EncodedPage encoded = encode_lightmap(image.values, image.mask, options_.encoding);
+        const std::string name = "lightmap" + std::to_string(page);
+        auto exr = options_.output;
+        exr.replace_extension(name + ".exr");
+        publish_file(exr, lightmap_exr(image.values, image.mask, size, size, options_.software));
+        written_.add(exr);
+        report_.outputs.push_back({exr.string(), "lightmap", "irradiance", "lux", "linear", 1});
+        const std::string encoding = encoding_name(options_.encoding);
+        lightmaps_.pages.push_back({name + "." + encoding,
+                                    lightmap_png(encoded, options_.encoding, size, size, options_.software),
+                                    encoded.intensity});
+        report_.outputs.push_back({options_.output.string() + "#" + name + "." + encoding, "lightmap", "irradiance", "lux",
+                                   encoding, encoded.intensity});
+        SidecarPage entry;
+        entry.width = entry.height = size;
+        entry.exr = {exr.filename().string(), "", "linear", 1};
+        entry.png = {"", name + "." + encoding, encoding, encoded.intensity};
+        sidecar_.pages.push_back(entry);
+    }
+
+    const BakeOptions& options_;
+    const BakedGeometry& g_;
+    const BakedLight& light_;
+    BakeReport& report_;
+    GltfLightmaps lightmaps_;
+    Sidecar sidecar_;
+    OutputSet written_;
+};
+
+}  // namespace
+
+void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
+                   BakeReport& report) {
+    clock.stage("write", [&] {
+        Writer(options, geometry, light, report).run(clock.progress("files"));
+        return false;
+    });
+}
+
+}  // namespace luxel

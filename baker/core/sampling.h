@@ -1,0 +1,16 @@
+/// Maps from the unit square to the things that rays need. No libm: sine and cosine differ in the last bit between
+/// machines, polynomials do not.
+#pragma once
+#include "baker/core/vec.h"
+
+namespace luxel {
+
+/// Cosine-distributed direction in the local frame (z up), density cos(theta)/pi per sr. z > 0.
+/// Source: Shirley and Chiu, A Low Distortion Map Between Disk and Square, JGT 2(3) 1997; Malley's method.
+Vec3f cosine_direction(float u, float v);
+
+/// Uniform barycentrics (weights of corners 1 and 2) of a triangle; keeps strata compact.
+/// Source: Heitz, A Low-Distortion Map Between Triangle and Square, 2019.
+Vec2f triangle_point(float u, float v);
+
+}  // namespace luxel

@@ -1,0 +1,30 @@
+/// Four-dimensional Owen-scrambled Sobol points: the sample pattern of every estimator.
+/// Integers only, so the same on every machine; a point is a pure function of (seed, index).
+/// Source: Joe and Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput. 30
+/// (2008), dimensions 1 to 4; Burley, Practical Hash-based Owen Scrambling, JCGT 9(4) 2020 (Laine-Karras permutation).
+#pragma once
+#include <array>
+#include <cstdint>
+
+namespace luxel {
+
+/// Well-mixed 64-bit hash of two numbers (finaliser of SplitMix64, Steele et al. 2014).
+constexpr std::uint64_t mix(std::uint64_t a, std::uint64_t b = 0) {
+    std::uint64_t z = a + 0x9e3779b97f4a7c15ULL * (b + 1);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+    return z ^ (z >> 31);
+}
+
+/// A scrambled sequence. The first 2^k points of a sequence are a (0, k, 2)-net in dimensions 0 and 1, and the four
+/// dimensions together are stratified as Sobol's are. Points are in [0, 1) with 24 bits.
+class SobolSequence {
+  public:
+    explicit SobolSequence(std::uint64_t seed);
+    [[nodiscard]] std::array<float, 4> point(std::uint32_t index) const;
+
+  private:
+    std::array<std::uint32_t, 4> dimension_seed_;
+};
+
+}  // namespace luxel

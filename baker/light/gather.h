@@ -1,0 +1,36 @@
+/// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, plus shadow rays
+/// to lamps. A texel's value is the mean over the part of its square that the surface covers.
+/// Source: Cohen, Greenberg, Immel, Brock, An Efficient Radiosity Approach for Realistic Image Synthesis, IEEE CG&A 6(3)
+/// 1986 (patches shoot, elements receive); Reichert, A Two-Pass Radiosity Method, 1992 (final gather).
+#pragma once
+#include <span>
+#include <vector>
+
+#include "baker/core/progress.h"
+#include "baker/patches/patch.h"
+#include "baker/trace/tracer.h"
+#include "baker/unwrap/atlas.h"
+
+namespace luxel {
+
+struct GatherOptions {
+    std::uint32_t rays = 256;        ///< cosine rays per texel, a power of two
+    std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
+    std::uint64_t seed = 0;
+};
+
+struct GatherInput {
+    const Scene& scene;
+    const Atlas& atlas;
+    const TexelSet& texels;
+    const PatchSet& patches;
+    const Tracer& tracer;
+    std::span<const Rgb> radiosity;  ///< B per patch number, lm/m2, self-emission included
+};
+
+/// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, radiosity
+/// and options: neither pages nor threads change the points. Adds texels to `progress`.
+std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
+                             ProgressCounter* progress);
+
+}  // namespace luxel

@@ -1,0 +1,58 @@
+#include "baker/output/sidecar.h"
+
+#include <nlohmann/json.hpp>
+
+#include "formats/base/file.h"
+#include "formats/gltf/gltf_out_uri.h"
+
+namespace luxel {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json picture_json(const SidecarPicture& picture) {
+    Json json = Json::object();
+    if (!picture.name.empty()) json["name"] = picture.name;
+    if (!picture.file.empty()) json["uri"] = encode_percent(picture.file);
+    json["encoding"] = picture.encoding;
+    json["intensity"] = picture.intensity;
+    return json;
+}
+
+}  // namespace
+
+std::filesystem::path sidecar_path(const std::filesystem::path& model) {
+    std::filesystem::path path = model;
+    path += ".lightmaps.json";
+    return path;
+}
+
+Bytes sidecar_text(const Sidecar& sidecar) {
+    Json pages = Json::array();
+    for (std::size_t index = 0; index < sidecar.pages.size(); ++index) {
+        const SidecarPage& page = sidecar.pages[index];
+        Json json = {{"index", index},
+                     {"width", page.width},
+                     {"height", page.height},
+                     {"quantity", page.quantity},
+                     {"unit", page.unit}};
+        for (const auto& [key, picture] : {std::pair{"exr", &page.exr}, std::pair{"png", &page.png}})
+            if (!picture->file.empty() || !picture->name.empty()) json[key] = picture_json(*picture);
+        pages.push_back(std::move(json));
+    }
+    const Json root = {{"schema", 1},
+                       {"generator", sidecar.generator},
+                       {"model", sidecar.model},
+                       {"texCoord", sidecar.uv_set},
+                       {"texelsPerMetre", sidecar.texels_per_metre},
+                       {"pages", std::move(pages)}};
+    // Names of files need not be UTF-8; a broken byte must not cost the whole bake.
+    const std::string text = root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return {text.begin(), text.end()};
+}
+
+void write_sidecar(const std::filesystem::path& path, const Sidecar& sidecar) {
+    publish_file(path, sidecar_text(sidecar));
+}
+
+}  // namespace luxel

@@ -1,0 +1,54 @@
+/// Uniform points on a piece of surface, in a way that keeps the strata of a two-dimensional sample pattern: v picks the
+/// row of texels and the place in it, u the fragment of the row and the place in that.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "baker/patches/fragment_polygon.h"
+#include "baker/patches/patch.h"
+
+namespace luxel {
+
+struct SurfacePoint {
+    Vec3f position;  ///< m, relative to Scene::origin
+    Vec3f normal;    ///< unit geometric normal of the sampled side
+    std::uint32_t triangle = none;
+    Vec2f barycentric;  ///< weights of corners 1 and 2
+};
+
+class SurfaceSampler {
+  public:
+    /// `fragments` in raster order (y, x, triangle), not empty; `back`: sample the other side of the surface.
+    /// The references must outlive the sampler. Threads: const and reentrant.
+    SurfaceSampler(const Scene& scene, const Atlas& atlas, std::span<const Fragment> fragments, bool back);
+
+    /// Uniform over the area for uniform u, v in [0, 1).
+    [[nodiscard]] SurfacePoint point(float u, float v) const;
+    /// Interpolated shading normal on the sampled side.
+    [[nodiscard]] Vec3f shading_normal(const SurfacePoint& at) const;
+
+  private:
+    struct Piece {
+        FragmentPolygon polygon;
+        std::uint32_t triangle;
+        Vec3f normal;
+        float share_before, share;  ///< of the row's area
+    };
+    struct Row {
+        std::uint32_t first, end;
+        float share_before, share;  ///< of the whole area
+    };
+    const Scene& scene_;
+    bool back_;
+    std::vector<Piece> pieces_;
+    std::vector<Row> rows_;
+};
+
+/// The sampler of a patch, on the side that the patch is.
+class PatchSampler : public SurfaceSampler {
+  public:
+    PatchSampler(const Scene& scene, const Atlas& atlas, const PatchSet& patches, PatchNumber patch)
+        : SurfaceSampler(scene, atlas, patches.fragments_of(patch), patches.patches[patch].is_back) {}
+};
+
+}  // namespace luxel

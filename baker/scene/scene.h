@@ -1,0 +1,101 @@
+/// The scene as every later stage sees it: clean triangles in world metres, materials, decoded textures, lamps.
+/// Built once, then const. No stage writes to it. Units: core/units.h.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "baker/core/vec.h"
+#include "formats/base/hash.h"
+#include "formats/gltf/scene_record.h"
+
+namespace luxel {
+
+/// Linear RGBA pixels, row 0 at the top (v = 0), as glTF's UV origin is the upper left corner.
+struct Texture {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::array<float, 4>> pixels;  ///< width * height
+    WrapMode wrap_s = WrapMode::repeat, wrap_t = WrapMode::repeat;
+    bool nearest = false;
+};
+
+struct Material {
+    std::string name;
+    Rgb reflectance{1, 1, 1};  ///< 0..1, times base texture
+    float alpha = 1;
+    std::uint32_t base_texture = none;  ///< index into Scene::textures
+    int base_uv_set = 0;
+    std::array<float, 6> base_transform{1, 0, 0, 0, 1, 0};  ///< TextureUse::transform
+    Rgb emission{0, 0, 0};  ///< exitance M = pi * nits, lm/m2, times emissive texture
+    std::uint32_t emissive_texture = none;
+    int emissive_uv_set = 0;
+    std::array<float, 6> emissive_transform{1, 0, 0, 0, 1, 0};
+    bool double_sided = false;
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    float alpha_cutoff = 0.5f;
+};
+
+/// One primitive of one node: a run of triangles and vertices of the scene.
+struct Object {
+    std::string name;  ///< "node path, primitive p", for messages
+    std::uint32_t instance = 0, primitive = 0;  ///< into SceneRecord: instances[], meshes[].primitives[]
+    std::uint32_t material = 0;
+    std::uint32_t first_triangle = 0, triangle_count = 0;
+    std::uint32_t first_vertex = 0, vertex_count = 0;
+    std::uint64_t path_hash = 0;     ///< of node path and primitive: stable when other nodes change
+    std::uint64_t content_hash = 0;  ///< of the primitive's own arrays (local positions, normals, UVs, indices)
+    bool mirrored = false;           ///< negative determinant: winding was swapped so that fronts stay fronts
+};
+
+struct Lamp {
+    LampKind kind = LampKind::point;
+    std::string name;
+    Vec3f position;       ///< relative to Scene::origin
+    Vec3f direction;      ///< unit, where it shines to
+    Rgb intensity;        ///< cd or lux
+    float range = 0;      ///< metres, 0: unlimited
+    float cos_inner = 1, cos_outer = 0.70710678f;
+};
+
+struct Scene {
+    Vec3d origin;  ///< world = origin + position
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;  ///< unit shading normals per vertex; the geometric one where the file has none or a bad one
+    std::array<std::vector<Vec2f>, 2> uv;  ///< per vertex, zero where the file has none
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front
+    /// Triangle of the source primitive (index into its indices / 3) for each triangle: dropped ones leave gaps.
+    std::vector<std::uint32_t> source_triangle;
+    std::vector<std::uint32_t> triangle_object;
+    std::vector<Object> objects;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<Lamp> lamps;
+    std::vector<bool> object_has_uv1;  ///< per object: did the file give TEXCOORD_1?
+
+    /// Of triangles, objects (paths, contents), sidedness and alpha: what rays can meet.
+    Key geometry_key;
+    /// Of materials, textures and lamps: what only the light depends on.
+    Key light_key;
+
+    [[nodiscard]] std::size_t triangle_count() const { return triangles.size(); }
+    [[nodiscard]] const Vec3f& corner(std::uint32_t triangle, int k) const {
+        return positions[triangles[triangle][static_cast<std::size_t>(k)]];
+    }
+    [[nodiscard]] const Material& material_of(std::uint32_t triangle) const {
+        return materials[objects[triangle_object[triangle]].material];
+    }
+    /// Cross product of two edges: twice the area times the geometric normal. Never zero: such triangles are dropped.
+    [[nodiscard]] Vec3d area_vector(std::uint32_t triangle) const {
+        const Vec3d a = to_double(corner(triangle, 0));
+        return (to_double(corner(triangle, 1)) - a).cross(to_double(corner(triangle, 2)) - a);
+    }
+    [[nodiscard]] double area_m2(std::uint32_t triangle) const { return 0.5 * area_vector(triangle).length(); }
+    [[nodiscard]] Vec3f geometric_normal(std::uint32_t triangle) const {
+        return to_float(area_vector(triangle).normalized());
+    }
+    /// Resident bytes of all arrays: the geometry that --memory does not count.
+    [[nodiscard]] std::uint64_t resident_bytes() const;
+};
+
+}  // namespace luxel

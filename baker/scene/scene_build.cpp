@@ -1,0 +1,167 @@
+#include "baker/scene/scene_build.h"
+
+#include <algorithm>
+
+#include "baker/core/parallel.h"
+#include "baker/scene/scene_geometry.h"
+#include "baker/scene/scene_keys.h"
+#include "baker/scene/scene_materials.h"
+
+namespace luxel {
+
+namespace {
+
+/// What one object will take, found by building it once; it is built a second time into its place, which costs less
+/// than holding every object twice.
+struct ObjectSize {
+    std::uint32_t instance = 0, primitive = 0;
+    std::uint64_t vertex_count = 0, triangle_count = 0;
+    std::uint32_t not_finite_count = 0, no_area_count = 0, bad_normal_count = 0, bad_uv_count = 0;
+    bool mirrored = false;
+};
+
+const PrimitiveRecord& primitive_of(const SceneRecord& record, const ObjectSize& size) {
+    const InstanceRecord& instance = record.instances[size.instance];
+    return record.meshes[static_cast<std::size_t>(instance.mesh)].primitives[size.primitive];
+}
+
+std::vector<ObjectSize> measure_objects(const SceneRecord& record, const Vec3d& origin) {
+    std::vector<ObjectSize> sizes;
+    for (std::uint32_t i = 0; i < record.instances.size(); ++i) {
+        const auto& primitives = record.meshes[static_cast<std::size_t>(record.instances[i].mesh)].primitives;
+        for (std::uint32_t p = 0; p < primitives.size(); ++p) sizes.push_back({.instance = i, .primitive = p});
+    }
+    parallel_for(sizes.size(), 1, [&](std::size_t o) {
+        ObjectSize& size = sizes[o];
+        const ObjectGeometry built =
+            build_object_geometry(primitive_of(record, size), record.instances[size.instance].world, origin);
+        size.vertex_count = built.positions.size();
+        size.triangle_count = built.triangles.size();
+        size.not_finite_count = built.not_finite_count;
+        size.no_area_count = built.no_area_count;
+        size.bad_normal_count = built.bad_normal_count;
+        size.bad_uv_count = built.bad_uv_count;
+        size.mirrored = built.mirrored;
+    });
+    return sizes;
+}
+
+std::string object_name(const SceneRecord& record, const ObjectSize& size) {
+    return record.instances[size.instance].node_path + ", primitive " +
+           std::to_string(primitive_of(record, size).gltf_primitive);
+}
+
+void report_findings(const SceneRecord& record, const ObjectSize& size, std::vector<Warning>& warnings) {
+    const std::uint32_t dropped = size.not_finite_count + size.no_area_count;
+    if (dropped)
+        warnings.push_back({"dropped-triangles", object_name(record, size),
+                            std::to_string(dropped) + " of " + std::to_string(dropped + size.triangle_count) +
+                                " triangles dropped: " + std::to_string(size.not_finite_count) +
+                                " with corners that are not finite, " + std::to_string(size.no_area_count) + " without area"});
+    if (size.bad_normal_count)
+        warnings.push_back({"bad-normals", object_name(record, size),
+                            std::to_string(size.bad_normal_count) + " vertices have no usable normal: that of the surface is used"});
+    if (size.bad_uv_count)
+        warnings.push_back({"bad-uv", object_name(record, size),
+                            std::to_string(size.bad_uv_count) + " UV coordinates are not finite: (0, 0) is used"});
+}
+
+/// Numbers of vertices and triangles per object; objects without triangles are left out.
+void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& sizes, Scene& scene,
+                     std::vector<Warning>& warnings) {
+    std::vector<std::vector<std::uint64_t>> content(record.meshes.size());
+    for (std::size_t m = 0; m < record.meshes.size(); ++m)
+        for (const PrimitiveRecord& primitive : record.meshes[m].primitives) content[m].push_back(content_hash_of(primitive));
+
+    std::uint64_t vertex_count = 0, triangle_count = 0;
+    for (const ObjectSize& size : sizes) {
+        report_findings(record, size, warnings);
+        if (size.triangle_count == 0) continue;
+        const InstanceRecord& instance = record.instances[size.instance];
+        const PrimitiveRecord& primitive = primitive_of(record, size);
+        if (vertex_count + size.vertex_count >= none || triangle_count + size.triangle_count >= none)
+            throw Error(ErrorCode::bad_input, object_name(record, size),
+                        "the scene has more vertices or triangles than 32-bit numbers can count", "bake it in parts");
+        Object object;
+        object.name = object_name(record, size);
+        object.instance = size.instance;
+        object.primitive = size.primitive;
+        object.material = primitive.material >= 0 ? static_cast<std::uint32_t>(primitive.material)
+                                                  : static_cast<std::uint32_t>(record.materials.size());
+        object.first_triangle = static_cast<std::uint32_t>(triangle_count);
+        object.triangle_count = static_cast<std::uint32_t>(size.triangle_count);
+        object.first_vertex = static_cast<std::uint32_t>(vertex_count);
+        object.vertex_count = static_cast<std::uint32_t>(size.vertex_count);
+        object.path_hash = path_hash_of(instance.node_path, primitive.gltf_primitive);
+        object.content_hash = content[static_cast<std::size_t>(instance.mesh)][size.primitive];
+        object.mirrored = size.mirrored;
+        scene.objects.push_back(std::move(object));
+        scene.object_has_uv1.push_back(!primitive.uv[1].empty());
+        vertex_count += size.vertex_count;
+        triangle_count += size.triangle_count;
+    }
+    scene.positions.resize(vertex_count);
+    scene.normals.resize(vertex_count);
+    for (auto& set : scene.uv) set.resize(vertex_count);
+    scene.triangles.resize(triangle_count);
+    scene.source_triangle.resize(triangle_count);
+    scene.triangle_object.resize(triangle_count);
+}
+
+void fill_objects(const SceneRecord& record, Scene& scene) {
+    parallel_for(scene.objects.size(), 1, [&](std::size_t o) {
+        const Object& object = scene.objects[o];
+        const InstanceRecord& instance = record.instances[object.instance];
+        const ObjectGeometry built = build_object_geometry(
+            record.meshes[static_cast<std::size_t>(instance.mesh)].primitives[object.primitive], instance.world, scene.origin);
+        std::ranges::copy(built.positions, scene.positions.begin() + object.first_vertex);
+        std::ranges::copy(built.normals, scene.normals.begin() + object.first_vertex);
+        for (std::size_t set = 0; set < 2; ++set)
+            std::ranges::copy(built.uv[set], scene.uv[set].begin() + object.first_vertex);
+        std::ranges::copy(built.source_triangle, scene.source_triangle.begin() + object.first_triangle);
+        for (std::uint32_t t = 0; t < object.triangle_count; ++t) {
+            auto triangle = built.triangles[t];
+            for (std::uint32_t& vertex : triangle) vertex += object.first_vertex;
+            scene.triangles[object.first_triangle + t] = triangle;
+            scene.triangle_object[object.first_triangle + t] = static_cast<std::uint32_t>(o);
+        }
+    });
+}
+
+/// Textures need coordinates: viewers take (0, 0) for all, so does the scene, but that is seldom meant.
+void report_missing_uv(const SceneRecord& record, const Scene& scene, std::vector<Warning>& warnings) {
+    for (const Object& object : scene.objects) {
+        const Material& material = scene.materials[object.material];
+        const InstanceRecord& instance = record.instances[object.instance];
+        const PrimitiveRecord& primitive =
+            record.meshes[static_cast<std::size_t>(instance.mesh)].primitives[object.primitive];
+        const auto lacks = [&](std::uint32_t texture, int uv_set) {
+            return texture != none && primitive.uv[static_cast<std::size_t>(uv_set)].empty();
+        };
+        if (lacks(material.base_texture, material.base_uv_set) || lacks(material.emissive_texture, material.emissive_uv_set))
+            warnings.push_back({"no-uv", object.name, "its material has a texture, but the mesh has no coordinates for it: "
+                                                      "one pixel colours all of it"});
+    }
+}
+
+}  // namespace
+
+Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,
+                  std::vector<Warning>& warnings) {
+    Scene scene;
+    scene.origin = scene_origin(record);
+    const std::vector<ObjectSize> sizes = measure_objects(record, scene.origin);
+    lay_out_objects(record, sizes, scene, warnings);
+    fill_objects(record, scene);
+
+    std::vector<bool> used(record.materials.size() + 1);
+    for (const Object& object : scene.objects) used[object.material] = true;
+    build_materials(record, used, decode, options, scene, warnings);
+    report_missing_uv(record, scene, warnings);
+    build_lamps(record, scene, warnings);
+    scene.geometry_key = geometry_key_of(scene);
+    scene.light_key = light_key_of(scene);
+    return scene;
+}
+
+}  // namespace luxel

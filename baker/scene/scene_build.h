@@ -1,0 +1,37 @@
+/// SceneRecord -> Scene: one world space, clean triangles, materials in physical units.
+///
+/// Geometry   positions are transformed in double precision and stored as floats relative to Scene::origin, the centre of
+///            the bounding box rounded to a coarse grid, so that small edits leave every float as it was. Mirrored
+///            instances swap winding. Triangles with a vertex that is not finite, or without area, are dropped. Vertices
+///            that no triangle uses are left out. Primitives without normals are flat: a vertex of its own per corner.
+/// Light      emission M = pi * nits in lm/m2; reflectance clamped to 0..1; sRGB textures become linear.
+/// Findings   one warning per object or material and kind, appended to `warnings`; nothing here throws on odd content.
+/// Errors     Error{bad_input}: more than 2^32 - 2 vertices or triangles.
+/// Memory     the Scene, plus the record, which the caller may free afterwards.
+/// Threads    not reentrant on one `warnings`; runs in parallel inside; the result does not depend on the thread count.
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "baker/scene/scene.h"
+
+namespace luxel {
+
+/// Pixels as the file stores them, scaled to 0..1: no colour conversion. Grey images have equal r, g, b; alpha is 1 if
+/// there is none. Row 0 at the top.
+struct DecodedImage {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::array<float, 4>> rgba;
+};
+
+/// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image.
+using ImageDecoder = std::function<std::optional<DecodedImage>(ByteView bytes, const std::string& name)>;
+
+struct BuildOptions {
+    bool textures = true;  ///< false: textures count as white, for a first look or for tests
+};
+
+Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,
+                  std::vector<Warning>& warnings);
+
+}  // namespace luxel

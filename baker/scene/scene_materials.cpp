@@ -1,0 +1,230 @@
+#include "baker/scene/scene_materials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <tuple>
+
+#include "baker/core/parallel.h"
+#include "baker/core/units.h"
+
+namespace luxel {
+
+namespace {
+
+/// Source: IEC 61966-2-1.
+double srgb_to_linear(double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+/// Values that 8 bits can hold come from a table: nearly all images, and much faster than pow.
+float linear_of(float stored) {
+    static const auto table = [] {
+        std::array<float, 256> values{};
+        for (std::size_t i = 0; i < 256; ++i) values[i] = static_cast<float>(srgb_to_linear(static_cast<double>(i) / 255.0));
+        return values;
+    }();
+    if (!(stored > 0)) return 0;
+    if (stored >= 1) return 1;
+    const float level = stored * 255.0f;
+    const float nearest = std::nearbyint(level);
+    if (std::abs(level - nearest) < 1e-4f) return table[static_cast<std::size_t>(nearest)];
+    return static_cast<float>(srgb_to_linear(static_cast<double>(stored)));
+}
+
+std::vector<std::array<float, 4>> linear_pixels(std::vector<std::array<float, 4>> pixels) {
+    parallel_for(pixels.size(), 65536, [&](std::size_t i) {
+        for (std::size_t c = 0; c < 3; ++c) pixels[i][c] = linear_of(pixels[i][c]);
+        pixels[i][3] = pixels[i][3] > 0 ? std::min(pixels[i][3], 1.0f) : 0.0f;
+    });
+    return pixels;
+}
+
+/// Decodes each image once and keeps each combination of image and sampler once.
+class TextureSet {
+  public:
+    TextureSet(const SceneRecord& record, const ImageDecoder& decode, Scene& scene, std::vector<Warning>& warnings)
+        : record_(record), decode_(decode), scene_(scene), warnings_(warnings) {}
+
+    /// Index into scene.textures, or none.
+    std::uint32_t add(const TextureUse& use, const std::string& where) {
+        if (use.texture < 0) return none;
+        if (use.uv_set > 1) {
+            warnings_.push_back({"uv-set", where, "a texture uses TEXCOORD_" + std::to_string(use.uv_set) +
+                                                      "; only 0 and 1 are read, so it counts as white"});
+            return none;
+        }
+        const TextureRecord& texture = record_.textures[static_cast<std::size_t>(use.texture)];
+        if (texture.image < 0) return none;
+        const auto key = std::tuple(texture.image, texture.wrap_s, texture.wrap_t, texture.nearest);
+        if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
+        const std::uint32_t index = make(texture);
+        textures_.emplace(key, index);
+        return index;
+    }
+
+  private:
+    std::uint32_t make(const TextureRecord& record) {
+        Texture made;
+        if (const auto twin = first_of_image_.find(record.image); twin != first_of_image_.end()) {
+            if (twin->second == none) return none;
+            made = scene_.textures[twin->second];
+        } else if (!load(record.image, made)) {
+            first_of_image_.emplace(record.image, none);
+            return none;
+        }
+        made.wrap_s = record.wrap_s;
+        made.wrap_t = record.wrap_t;
+        made.nearest = record.nearest;
+        const auto index = static_cast<std::uint32_t>(scene_.textures.size());
+        scene_.textures.push_back(std::move(made));
+        first_of_image_.emplace(record.image, index);
+        return index;
+    }
+
+    bool load(int image_index, Texture& into) {
+        const ImageRecord& image = record_.images[static_cast<std::size_t>(image_index)];
+        if (image.bytes.empty()) return false;  // the reader has said why
+        std::optional<DecodedImage> decoded = decode_ ? decode_(image.bytes, image.name) : std::nullopt;
+        const bool fits = decoded && decoded->width > 0 && decoded->height > 0 &&
+                          decoded->rgba.size() == std::size_t{decoded->width} * decoded->height;
+        if (!fits) {
+            warnings_.push_back({"image-undecoded", image.name, "the image cannot be decoded; the texture counts as white"});
+            return false;
+        }
+        into.width = decoded->width;
+        into.height = decoded->height;
+        into.pixels = linear_pixels(std::move(decoded->rgba));
+        return true;
+    }
+
+    const SceneRecord& record_;
+    const ImageDecoder& decode_;
+    Scene& scene_;
+    std::vector<Warning>& warnings_;
+    std::map<std::tuple<int, WrapMode, WrapMode, bool>, std::uint32_t> textures_;
+    std::map<int, std::uint32_t> first_of_image_;
+};
+
+/// A number inside [0, highest], 0 for NaN; notes if it had to be changed.
+float limited(double value, double highest, bool& changed) {
+    const double inside = value > 0 ? std::min(value, highest) : 0.0;
+    if (!(inside == value)) changed = true;
+    return static_cast<float>(inside);
+}
+
+std::array<float, 6> limited_transform(const std::array<double, 6>& transform, bool& changed) {
+    std::array<float, 6> out{};
+    for (std::size_t i = 0; i < 6; ++i) {
+        out[i] = static_cast<float>(transform[i]);
+        if (!std::isfinite(out[i])) {
+            changed = true;
+            return {1, 0, 0, 0, 1, 0};
+        }
+    }
+    return out;
+}
+
+Material convert_material(const MaterialRecord& record, const std::string& where, std::vector<Warning>& warnings) {
+    Material material;
+    material.name = record.name;
+    bool reflectance_changed = false, emission_changed = false, other_changed = false;
+    const double kept = 1.0 - std::clamp(std::isfinite(record.transmission) ? record.transmission : 0.0, 0.0, 1.0);
+    for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<std::size_t>(c);
+        material.reflectance[c] = limited(record.base_color[i], 1.0, reflectance_changed) * static_cast<float>(kept);
+        // Infinite light is a fault of the file, not a very bright lamp.
+        const double exitance = pi * record.emission[i];
+        const bool fits = exitance <= static_cast<double>(std::numeric_limits<float>::max());
+        emission_changed = emission_changed || !fits;
+        material.emission[c] = fits ? limited(exitance, exitance, emission_changed) : 0.0f;
+    }
+    material.alpha = limited(record.base_color[3], 1.0, other_changed);
+    material.base_uv_set = record.base_color_texture.uv_set;
+    material.base_transform = limited_transform(record.base_color_texture.transform, other_changed);
+    material.emissive_uv_set = record.emissive_texture.uv_set;
+    material.emissive_transform = limited_transform(record.emissive_texture.transform, other_changed);
+    material.double_sided = record.double_sided;
+    material.alpha_mode = record.alpha_mode;
+    material.alpha_cutoff = std::isfinite(record.alpha_cutoff) ? static_cast<float>(record.alpha_cutoff) : 0.5f;
+    if (reflectance_changed)
+        warnings.push_back({"reflectance-clamped", where, "a base colour factor was outside 0 to 1"});
+    if (emission_changed)
+        warnings.push_back({"emission-clamped", where, "an emissive factor was negative or not finite: 0 is used for it"});
+    if (other_changed)
+        warnings.push_back({"material-clamped", where, "alpha or a texture transform was out of range: replaced"});
+    return material;
+}
+
+void note_kinds(const MaterialRecord& record, const std::string& where, std::vector<Warning>& warnings) {
+    if (record.transmission > 0)
+        warnings.push_back({"transmission-blocked", where, "transmission takes light from the diffuse part, but lets none through"});
+}
+
+Vec3d direction_of(const Matrix44d& world) { return {-world[2][0], -world[2][1], -world[2][2]}; }
+
+bool usable(const Vec3d& v) {
+    const double length = v.length();
+    return length > 0 && std::isfinite(length);
+}
+
+void set_cone(const LampRecord& record, Lamp& lamp, const std::string& where, std::vector<Warning>& warnings) {
+    const bool fits = record.inner_cone >= 0 && record.inner_cone <= record.outer_cone && record.outer_cone <= 0.5 * pi + 1e-6;
+    const double outer = record.outer_cone > 0 ? std::min(record.outer_cone, 0.5 * pi) : 0.25 * pi;
+    const double inner = record.inner_cone > 0 ? std::min(record.inner_cone, outer) : 0.0;
+    if (!fits) warnings.push_back({"lamp-cone", where, "spot cone angles were not 0 <= inner <= outer <= pi/2: limited"});
+    lamp.cos_inner = static_cast<float>(std::cos(inner));
+    lamp.cos_outer = static_cast<float>(std::cos(outer));
+}
+
+}  // namespace
+
+void build_materials(const SceneRecord& record, const std::vector<bool>& used, const ImageDecoder& decode,
+                     const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings) {
+    TextureSet textures(record, decode, scene, warnings);
+    for (std::size_t m = 0; m < record.materials.size(); ++m) {
+        const MaterialRecord& from = record.materials[m];
+        const std::string where = "material " + (from.name.empty() ? std::to_string(m) : "\"" + from.name + "\"");
+        std::vector<Warning> unheard;
+        std::vector<Warning>& findings = used[m] ? warnings : unheard;
+        Material material = convert_material(from, where, findings);
+        note_kinds(from, where, findings);
+        if (used[m] && options.textures) {
+            material.base_texture = textures.add(from.base_color_texture, where);
+            // A texture of something that does not emit is never looked at.
+            if (material.emission != Rgb(0, 0, 0)) material.emissive_texture = textures.add(from.emissive_texture, where);
+        }
+        scene.materials.push_back(std::move(material));
+    }
+    Material default_material;
+    default_material.name = "(none)";
+    scene.materials.push_back(std::move(default_material));
+}
+
+void build_lamps(const SceneRecord& record, Scene& scene, std::vector<Warning>& warnings) {
+    for (const LampRecord& from : record.lamps) {
+        Lamp lamp;
+        lamp.kind = from.kind;
+        lamp.name = from.node_path;
+        const Vec3d place = Vec3d(from.world[3][0], from.world[3][1], from.world[3][2]) - scene.origin;
+        lamp.position = to_float(place);
+        const Vec3d direction = direction_of(from.world);
+        const bool has_place = from.kind == LampKind::directional || std::isfinite(lamp.position.length());
+        if (!has_place || (from.kind != LampKind::point && !usable(direction))) {
+            warnings.push_back({"lamp-skipped", lamp.name, "the node's matrix gives the lamp no place or direction"});
+            continue;
+        }
+        lamp.direction = usable(direction) ? to_float(direction.normalized()) : Vec3f(0, 0, -1);
+        bool changed = false;
+        for (int c = 0; c < 3; ++c)
+            lamp.intensity[c] = limited(from.intensity[static_cast<std::size_t>(c)],
+                                        static_cast<double>(std::numeric_limits<float>::max()), changed);
+        if (changed) warnings.push_back({"lamp-clamped", lamp.name, "intensity was negative or not finite: limited"});
+        lamp.range = from.range > 0 && std::isfinite(from.range) ? static_cast<float>(from.range) : 0.0f;
+        if (from.kind == LampKind::spot) set_cone(from, lamp, lamp.name, warnings);
+        scene.lamps.push_back(std::move(lamp));
+    }
+}
+
+}  // namespace luxel

@@ -1,0 +1,463 @@
+#include "baker/solver/shoot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "baker/core/parallel.h"
+#include "baker/solver/adjoint.h"
+#include "baker/solver/chunk_system.h"
+#include "baker/solver/coarse.h"
+#include "baker/solver/history.h"
+#include "baker/solver/transport.h"
+#include "baker/solver/whole_read.h"
+#include "formats/base/error.h"
+
+namespace luxel {
+
+namespace {
+
+/// A shot leaves at most this share of the chunk's unshot light inside it...
+constexpr double inner_share = 1e-3;
+/// ...or, where that is more, so little that all chunks together leave this share of the tolerance.
+constexpr double inner_tolerance_share = 0.1;
+constexpr std::uint32_t max_inner_iterations = 1000;
+/// Shots of so many whole reads that lower the bound by less than this factor are followed by a coarse step.
+constexpr double coarse_window_reads = 1;
+constexpr double coarse_if_slower_than = 10;
+
+/// Sums over the patches of one chunk, lm in the solver's scale.
+struct ChunkSums {
+    Channels power{0, 0, 0};              ///< sum A B
+    Channels weighted{0, 0, 0};           ///< sum A w |U|
+    Channels weighted_negative{0, 0, 0};  ///< the part of U < 0
+};
+
+class Shooter {
+  public:
+    Shooter(BlockSource& source, Transport& transport, const SolveInput& input, const SolveOptions& options,
+            const Channels& scale);
+    void run(SolveResult& result);
+
+  private:
+    [[nodiscard]] double error_bound();
+    [[nodiscard]] ChunkNumber best_chunk() const;
+    [[nodiscard]] double emitted(PatchNumber patch, std::size_t channel) const;  ///< M' in the solver's scale
+    [[nodiscard]] bool is_slow(double bound);
+    void shoot(ChunkNumber chunk);
+    void coarse_step();
+    void read_coarse_system();
+    std::vector<Lanes> solve_inside(const ChunkSystem& system);
+    void take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent);
+    void receive(ChunkNumber chunk, std::span<const Lanes> exchange);
+    std::vector<Lanes> shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent);
+    void weigh(ChunkNumber chunk);
+    void weigh_all();
+    void finish(SolveResult& result) const;
+
+    BlockSource& source_;
+    const std::uint64_t total_bytes_;
+    Transport& transport_;
+    const SolveInput& input_;
+    const SolveOptions& options_;
+    const Channels scale_;
+    std::vector<std::uint8_t> emits_;
+    Adjoint adjoint_;
+    std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
+    std::vector<ChunkSums> sums_;
+    Channels power_{0, 0, 0};  ///< sum A B
+    std::optional<CoarseSystem> coarse_;
+    std::uint64_t window_start_bytes_ = 0;
+    double window_start_bound_ = std::numeric_limits<double>::infinity();
+};
+
+std::vector<std::uint8_t> emitting(const SolveInput& input) {
+    std::vector<std::uint8_t> emits(input.emission.size());
+    for (std::size_t i = 0; i < emits.size(); ++i)
+        emits[i] = input.emission[i][0] > 0 || input.emission[i][1] > 0 || input.emission[i][2] > 0;
+    return emits;
+}
+
+Shooter::Shooter(BlockSource& source, Transport& transport, const SolveInput& input, const SolveOptions& options,
+                 const Channels& scale)
+    : source_(source),
+      total_bytes_(source.total_bytes()),
+      transport_(transport),
+      input_(input),
+      options_(options),
+      scale_(scale),
+      emits_(emitting(input)),
+      adjoint_(Adjoint::certify(transport, emits_)),
+      unshot_(input.emission.size(), {0, 0, 0}),
+      irradiance_(input.emission.size(), {0, 0, 0}),
+      sums_(transport.layout().chunk_count()) {
+    for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
+        const bool sends = transport_.row_bytes(chunk) > 0;
+        for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double radiosity = emitted(i, c);
+                sums_[chunk].power[c] += transport_.area_m2(i) * radiosity;
+                // A chunk that sees nothing has nothing to send to.
+                if (sends) unshot_[i][c] = radiosity;
+            }
+    }
+    weigh_all();
+}
+
+double Shooter::emitted(PatchNumber patch, std::size_t channel) const {
+    const double emission = input_.emission[patch][channel];
+    return emission > 0 ? emission * scale_[channel] / transport_.self_factor(patch, channel) : 0.0;
+}
+
+void Shooter::weigh(ChunkNumber chunk) {
+    ChunkSums& sums = sums_[chunk];
+    sums.weighted = sums.weighted_negative = {0, 0, 0};
+    for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double weighted = transport_.area_m2(i) * adjoint_.weight(i)[c] * std::abs(unshot_[i][c]);
+            sums.weighted[c] += weighted;
+            if (unshot_[i][c] < 0) sums.weighted_negative[c] += weighted;
+        }
+}
+
+void Shooter::weigh_all() {
+    parallel_for(sums_.size(), 1, [&](std::size_t chunk) { weigh(static_cast<ChunkNumber>(chunk)); });
+}
+
+double Shooter::error_bound() {
+    Channels error{0, 0, 0}, negative{0, 0, 0};
+    power_ = {0, 0, 0};
+    for (const ChunkSums& sums : sums_)
+        for (std::size_t c = 0; c < 3; ++c) {
+            error[c] += sums.weighted[c];
+            negative[c] += sums.weighted_negative[c];
+            power_[c] += sums.power[c];
+        }
+    double bound = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (error[c] == 0) continue;
+        // After a coarse step the negative part may exceed the power for a while: then there is no lower bound yet.
+        const double lowest = power_[c] - negative[c];
+        bound = std::max(bound, lowest > 0 ? error[c] / lowest : std::numeric_limits<double>::infinity());
+    }
+    return bound;
+}
+
+/// The chunk whose shot takes most from the bound per byte; the lowest number among equals.
+ChunkNumber Shooter::best_chunk() const {
+    ChunkNumber best = 0;
+    double best_value = -1;
+    for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
+        double value = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            if (sums_[chunk].weighted[c] > 0) value = std::max(value, sums_[chunk].weighted[c] / power_[c]);
+        if (value == 0) continue;
+        value /= static_cast<double>(std::max<std::uint64_t>(transport_.row_bytes(chunk), 1));
+        if (value > best_value) {
+            best_value = value;
+            best = chunk;
+        }
+    }
+    return best;
+}
+
+/// X = U + K_aa X up to a rest that the bound hardly notices. Whatever X is, what follows accounts for it exactly.
+std::vector<Lanes> Shooter::solve_inside(const ChunkSystem& system) {
+    const PatchNumber first = transport_.first(system.chunk());
+    const std::size_t count = system.size();
+    const ChunkSums& sums = sums_[system.chunk()];
+    std::vector<Lanes> sent(count);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c) sent[i].v[c] = unshot_[first + i][c];
+    if (!system.has_pairs()) return sent;
+    // X = U + s y with (I - s G s) y = s G U; a residual r in y leaves s r unshot.
+    std::vector<Lanes> right, y(count), residual_weight(count);
+    system.multiply(sent, right);
+    Lanes limit;
+    for (std::size_t c = 0; c < 3; ++c)
+        limit.v[c] = std::max(inner_share * sums.weighted[c], inner_tolerance_share * options_.tolerance * power_[c] /
+                                                                  static_cast<double>(sums_.size()));
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const PatchNumber patch = first + static_cast<PatchNumber>(i);
+            const double s = system.scale()[i].v[c];
+            right[i].v[c] *= s;
+            residual_weight[i].v[c] = s * transport_.area_m2(patch) * adjoint_.weight(patch)[c];
+        }
+    const auto stop = [&](std::span<const Lanes> residual) {
+        Lanes rest;
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < 3; ++c) rest.v[c] += residual_weight[i].v[c] * std::abs(residual[i].v[c]);
+        return rest.v[0] <= limit.v[0] && rest.v[1] <= limit.v[1] && rest.v[2] <= limit.v[2];
+    };
+    system.solve(right, y, stop, max_inner_iterations);
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c) sent[i].v[c] += system.scale()[i].v[c] * y[i].v[c];
+    return sent;
+}
+
+/// exchange = sum over some patches j of G_ij times what j sent: adds it to irradiance, radiosity and unshot of the chunk.
+void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
+    ChunkSums& sums = sums_[chunk];
+    for (std::size_t i = 0; i < exchange.size(); ++i) {
+        const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double received = exchange[i].v[c] / transport_.area_m2(patch);
+            const double reflected = transport_.scaled_reflectance(patch)[c] * received;
+            irradiance_[patch][c] += received;
+            unshot_[patch][c] += reflected;
+            sums.power[c] += transport_.area_m2(patch) * reflected;
+        }
+    }
+}
+
+/// Sends through all blocks of the row but the diagonal one. Each task owns the chunk it sends to, so nothing is written
+/// twice. Returns the adjoint gathered on the way: sum of G_ij rho'_j w_j, sum of G_ij in the spare lane.
+std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent) {
+    const std::span<const RowBlock> row = transport_.row(chunk);
+    std::vector<Lanes> gathered(sent.size());
+    std::vector<std::vector<Lanes>> parts(transport_batch_blocks);
+    for (std::size_t first = 0; first < row.size(); first += transport_batch_blocks) {
+        const std::size_t batch = std::min(transport_batch_blocks, row.size() - first);
+        parallel_for(batch, 1, [&](std::size_t k) {
+            const RowBlock& target = row[first + k];
+            Block block;
+            transport_.load(target.index, block);
+            std::vector<Lanes> source(transport_.size(target.other)), exchange(source.size());
+            for (std::size_t i = 0; i < source.size(); ++i) {
+                const PatchNumber patch = transport_.first(target.other) + static_cast<PatchNumber>(i);
+                for (std::size_t c = 0; c < 3; ++c)
+                    source[i].v[c] = transport_.scaled_reflectance(patch)[c] * adjoint_.weight(patch)[c];
+                source[i].v[3] = 1;
+            }
+            parts[k].assign(sent.size(), Lanes{});
+            if (target.is_a)
+                apply_both(block, sent, source, parts[k], exchange);
+            else
+                apply_both(block, source, sent, exchange, parts[k]);
+            receive(target.other, exchange);
+            weigh(target.other);
+        });
+        for (std::size_t k = 0; k < batch; ++k)
+            for (std::size_t i = 0; i < gathered.size(); ++i)
+                for (std::size_t c = 0; c < 4; ++c) gathered[i].v[c] += parts[k][i].v[c];
+    }
+    return gathered;
+}
+
+/// Limits what is about to be sent so that all that was ever sent stays nonnegative, and radiosity with it.
+void Shooter::take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent) {
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+        const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double reflect = transport_.scaled_reflectance(patch)[c];
+            const double sent_before = emitted(patch, c) + reflect * irradiance_[patch][c] - unshot_[patch][c];
+            sent[i].v[c] = std::max(sent[i].v[c], std::min(0.0, -sent_before));
+            unshot_[patch][c] -= sent[i].v[c];
+        }
+    }
+}
+
+void Shooter::shoot(ChunkNumber chunk) {
+    Block diagonal;
+    const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
+    const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+    std::vector<Lanes> sent = solve_inside(system);
+    take_from_unshot(chunk, sent);
+    std::vector<Lanes> exchange;
+    system.multiply(sent, exchange);
+    receive(chunk, exchange);
+    const std::vector<Lanes> gathered = shoot_to_others(chunk, sent);
+    if (adjoint_.lower(transport_, system, gathered)) {
+        weigh(chunk);
+    } else {
+        adjoint_.certify_by_reads(transport_, emits_);
+        weigh_all();
+    }
+}
+
+/// True at the end of a window of shots that brought too little.
+bool Shooter::is_slow(double bound) {
+    const auto bytes = static_cast<double>(transport_.requested_bytes() - window_start_bytes_);
+    if (bytes < coarse_window_reads * static_cast<double>(total_bytes_)) return false;
+    const bool slow = bound * coarse_if_slower_than > window_start_bound_;
+    window_start_bytes_ = transport_.requested_bytes();
+    window_start_bound_ = bound;
+    return slow && sums_.size() > 1;
+}
+
+/// One read, for the first coarse step only: the model of exchange between chunks for an irradiance that is the same all
+/// over each chunk.
+void Shooter::read_coarse_system() {
+    CoarseSystem& coarse = coarse_.emplace(transport_);
+    const auto reflected = [this](ChunkNumber chunk) {
+        std::vector<Lanes> lanes(transport_.size(chunk));
+        for (std::size_t i = 0; i < lanes.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                lanes[i].v[c] = transport_.scaled_reflectance(transport_.first(chunk) + static_cast<PatchNumber>(i))[c];
+        return lanes;
+    };
+    exchange_between_chunks(transport_, reflected,
+                            [&](std::size_t block, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
+                                coarse.set_coupling(block, x_a, y_a);
+                            });
+    parallel_for(sums_.size(), 1, [&](std::size_t k) {
+        const auto chunk = static_cast<ChunkNumber>(k);
+        Block diagonal;
+        const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
+        const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+        const std::vector<Lanes> ones(system.size(), Lanes{{1, 1, 1, 0}});
+        coarse.set_chunk(chunk, ones, apply_adjoint_inside(transport_, system, ones));
+    });
+}
+
+/// Sends, from all chunks in one read, the light that the coarse model says is still to come. Like any other light that is
+/// sent it is accounted for exactly, so a poor model costs a read and nothing else.
+void Shooter::coarse_step() {
+    if (!coarse_) read_coarse_system();
+    std::vector<Channels> level(sums_.size(), {0, 0, 0});  // irradiance per chunk
+    for (std::size_t c = 0; c < 3; ++c) {
+        std::vector<double> unshot_power(sums_.size(), 0.0);
+        for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk)
+            for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
+                unshot_power[chunk] += transport_.area_m2(i) * unshot_[i][c];
+        const std::vector<double> solution = coarse_->solve(c, unshot_power);
+        for (std::size_t chunk = 0; chunk < solution.size(); ++chunk) level[chunk][c] = solution[chunk];
+    }
+    std::vector<Lanes> sent(unshot_.size());
+    parallel_for(sums_.size(), 1, [&](std::size_t k) {
+        const auto chunk = static_cast<ChunkNumber>(k);
+        const PatchNumber first = transport_.first(chunk);
+        const std::span<Lanes> lanes(sent.data() + first, transport_.size(chunk));
+        for (std::size_t i = 0; i < lanes.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                lanes[i].v[c] = transport_.scaled_reflectance(first + static_cast<PatchNumber>(i))[c] * level[k][c];
+        take_from_unshot(chunk, lanes);
+    });
+    const auto sent_by = [&](ChunkNumber chunk) {
+        const auto begin = sent.begin() + transport_.first(chunk);
+        return std::vector<Lanes>(begin, begin + transport_.size(chunk));
+    };
+    const std::vector<Lanes> exchange = exchange_between_chunks(transport_, sent_by, {});
+    parallel_for(sums_.size(), 1, [&](std::size_t k) {
+        const auto chunk = static_cast<ChunkNumber>(k);
+        Block diagonal;
+        const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
+        const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+        std::vector<Lanes> inside;
+        system.multiply(sent_by(chunk), inside);
+        receive(chunk, inside);
+        receive(chunk, std::span<const Lanes>(exchange).subspan(transport_.first(chunk), inside.size()));
+        weigh(chunk);
+    });
+}
+
+void Shooter::run(SolveResult& result) {
+    const std::uint64_t total_bytes = total_bytes_, disk_bytes_before = source_.bytes_read();
+    const double allowed_bytes = static_cast<double>(options_.max_reads) * static_cast<double>(total_bytes);
+    History history;
+    for (;;) {
+        result.error_bound = error_bound();
+        const std::uint64_t bytes_read = source_.bytes_read() - disk_bytes_before;
+        history.add({bytes_read, result.error_bound});
+        if (options_.progress) options_.progress(bytes_read, result.error_bound);
+        if (total_bytes > 0) result.reads = static_cast<double>(bytes_read) / static_cast<double>(total_bytes);
+        result.converged = result.error_bound <= options_.tolerance;
+        if (result.converged) break;
+        if (is_slow(result.error_bound)) {
+            if (static_cast<double>(transport_.requested_bytes() + 2 * total_bytes) > allowed_bytes) break;
+            coarse_step();
+            continue;
+        }
+        const ChunkNumber chunk = best_chunk();
+        if (static_cast<double>(transport_.requested_bytes() + transport_.row_bytes(chunk)) > allowed_bytes) break;
+        shoot(chunk);
+    }
+    result.history = history.take();
+    finish(result);
+}
+
+void Shooter::finish(SolveResult& result) const {
+    const std::size_t count = unshot_.size();
+    result.radiosity.resize(count);
+    result.unshot.resize(count);
+    result.irradiance.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto patch = static_cast<PatchNumber>(i);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double received = std::max(irradiance_[i][c], 0.0);
+            const double reflect = transport_.scaled_reflectance(patch)[c];
+            const double radiosity = emitted(patch, c) + reflect * received;
+            const double own = transport_.diagonal_m2(patch) / transport_.area_m2(patch) * radiosity;
+            result.radiosity[i][c] = radiosity / scale_[c];
+            result.unshot[i][c] = unshot_[i][c] / scale_[c];
+            result.irradiance[i][c] = std::max(received + own, 0.0) / scale_[c];
+        }
+    }
+}
+
+/// A power of two near 1 / largest emission per channel; 1 where there is none.
+Channels emission_scale(const SolveInput& input, std::array<bool, 3>& is_lit) {
+    Channels largest{0, 0, 0}, scale{1, 1, 1};
+    for (std::size_t i = 0; i < input.emission.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double emission = input.emission[i][c];
+            if (!(emission >= 0 && std::isfinite(emission)))
+                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
+                            "emission " + std::to_string(emission) + " is not a finite number of at least 0");
+            largest[c] = std::max(largest[c], emission);
+        }
+    for (std::size_t c = 0; c < 3; ++c) {
+        is_lit[c] = largest[c] > 0;
+        // 2^1000 is as far as a scale can go: denormal emissions stay small.
+        if (is_lit[c]) scale[c] = std::ldexp(1.0, std::clamp(-std::ilogb(largest[c]), -1000, 1000));
+    }
+    return scale;
+}
+
+/// Light that a patch sends to itself only never reaches the bound's sums.
+void refuse_endless_patches(const BlockSource& source, const SolveInput& input) {
+    for (std::size_t i = 0; i < input.emission.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double returned = static_cast<double>(input.reflectance[i][static_cast<int>(c)]) *
+                                    source.diagonal_m2()[i] / source.area_m2()[i];
+            if (input.emission[i][c] > 0 && returned > 1 - 1e-12)
+                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
+                            "the light never ends: the patch emits, reflects everything and sees only itself",
+                            "lower its reflectance below 1");
+        }
+}
+
+}  // namespace
+
+SolveResult solve_by_shooting(BlockSource& source, const SolveInput& input, const SolveOptions& options) {
+    const std::size_t count = source.layout().patch_count();
+    if (input.emission.size() != count || input.reflectance.size() != count)
+        throw Error(ErrorCode::internal, "solve", "reflectance and emission need one entry per patch");
+    flush_denormals();
+    SolveResult result;
+    result.solver = "shoot";
+    std::array<bool, 3> is_lit{};
+    const Channels scale = emission_scale(input, is_lit);
+    Transport transport(source, input.reflectance, is_lit);
+    bool reflects = false;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            reflects = reflects || transport.scaled_reflectance(static_cast<PatchNumber>(i))[c] > 0;
+    if (!reflects) {
+        result.radiosity.assign(input.emission.begin(), input.emission.end());
+        result.unshot = result.radiosity;
+        result.irradiance.assign(count, {0, 0, 0});
+        result.converged = true;
+        result.history.push_back({0, 0.0});
+        return result;
+    }
+    refuse_endless_patches(source, input);
+    Shooter shooter(source, transport, input, options, scale);
+    shooter.run(result);
+    return result;
+}
+
+}  // namespace luxel

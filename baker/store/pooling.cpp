@@ -1,0 +1,212 @@
+#include "baker/store/pooling.h"
+
+#include <algorithm>
+
+#include "baker/core/parallel.h"
+#include "baker/store/buckets.h"
+#include "formats/bake/evidence_file.h"
+#include "formats/bake/strip_file.h"
+
+namespace luxel {
+namespace {
+
+/// Stable ids to this run's numbers, by binary search in a sorted table.
+class IdIndex {
+  public:
+    explicit IdIndex(std::span<const PatchId> ids) : entries_(ids.size()) {
+        for (std::size_t k = 0; k < ids.size(); ++k) entries_[k] = {ids[k], static_cast<PatchNumber>(k)};
+        std::sort(entries_.begin(), entries_.end());
+    }
+    [[nodiscard]] PatchNumber find(PatchId id, const std::string& where) const {
+        const auto at = std::lower_bound(entries_.begin(), entries_.end(), Entry{id, 0});
+        if (at == entries_.end() || at->id != id)
+            throw Error(ErrorCode::damaged_store, where, "patch id " + std::to_string(id) + " is not in this scene",
+                        "the evidence belongs to another scene; use a fresh bake folder");
+        return at->number;
+    }
+
+  private:
+    struct Entry {
+        PatchId id;
+        PatchNumber number;
+        bool operator<(const Entry& o) const { return id < o.id; }
+    };
+    std::vector<Entry> entries_;
+};
+
+struct Tallies {
+    explicit Tallies(std::size_t patches) : rays(patches), self(patches), open(patches), back(patches) {}
+    std::vector<std::uint32_t> rays, self, open, back;
+
+    [[nodiscard]] StripTallies of_chunk(PatchNumber begin, PatchNumber end) const {
+        const auto cut = [&](const std::vector<std::uint32_t>& all) {
+            return std::vector<std::uint32_t>(all.begin() + begin, all.begin() + end);
+        };
+        return {cut(rays), cut(self), cut(open), cut(back)};
+    }
+};
+
+/// One observation on its way to a bucket.
+struct Observation {
+    PatchNumber low, high;
+    std::uint32_t count;
+};
+
+/// Rows of one evidence block: tallies are added, pairs returned. Blocks of one patch never run at the same time.
+std::vector<Observation> read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids,
+                                    Tallies& tallies) {
+    const std::string where = file.name() + ": block " + std::to_string(index);
+    const EvidenceBlock block = decode_evidence(file.read(index), where);
+    std::vector<PatchNumber> number(block.targets.size());
+    for (std::size_t k = 0; k < number.size(); ++k) number[k] = ids.find(block.targets[k], where);
+    std::vector<Observation> pairs;
+    pairs.reserve(block.counts.size());
+    for (const EvidenceBlock::Row& row : block.rows) {
+        const PatchNumber i = ids.find(row.patch_id, where);
+        std::uint64_t rays = std::uint64_t{row.open} + row.back;
+        for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
+            const PatchNumber j = number[block.target_index[k]];
+            rays += block.counts[k];
+            if (i == j)
+                tallies.self[i] += block.counts[k];
+            else
+                pairs.push_back({std::min(i, j), std::max(i, j), block.counts[k]});
+        }
+        tallies.rays[i] += static_cast<std::uint32_t>(rays);
+        tallies.open[i] += row.open;
+        tallies.back[i] += row.back;
+    }
+    return pairs;
+}
+
+class Pooling {
+  public:
+    Pooling(const ChunkLayout& layout, std::span<const PatchId> ids, const PoolOptions& options)
+        : layout_(layout),
+          ids_(ids),
+          tallies_(ids.size()),
+          memory_(std::max<std::uint64_t>(options.memory_bytes, 8 << 20)),
+          buckets_(layout.chunk_count(), memory_ / 2, options.scratch_folder) {}
+
+    void deal(const std::filesystem::path& path, const Key& key) {
+        const BlockFileReader file(path, FileKind::evidence, evidence_version, &key);
+        // A few blocks at a time: decoded in parallel, dealt in order.
+        constexpr std::size_t batch = 16;
+        std::vector<std::vector<Observation>> found(batch);
+        for (std::size_t begin = 0; begin < file.blocks().size(); begin += batch) {
+            const std::size_t count = std::min(batch, file.blocks().size() - begin);
+            parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_, tallies_); });
+            for (std::size_t k = 0; k < count; ++k)
+                for (const Observation& pair : found[k]) {
+                    const ChunkNumber a = layout_.chunk_of(pair.low), b = layout_.chunk_of(pair.high);
+                    buckets_.add(a, b, pair.low - layout_.first_patch[a], pair.high - layout_.first_patch[b], pair.count);
+                }
+            buckets_.settle();
+        }
+    }
+
+    void write_strip(ChunkNumber a, const std::filesystem::path& path, const Key& key) {
+        StripWriter strip(path, key, tallies_.of_chunk(layout_.first_patch[a], layout_.first_patch[a + 1]));
+        // Sorting takes as many passes over the bucket as its size demands, each for a range of b.
+        const std::uint64_t room = std::max<std::uint64_t>(memory_ / 2 / sizeof(PackedPair), 1);
+        for (ChunkNumber begin = a; begin < layout_.chunk_count();) {
+            const ChunkNumber end = buckets_.size(a) <= room ? layout_.chunk_count() : range_end(a, begin, room);
+            std::vector<PackedPair> pairs;
+            buckets_.visit(a, [&](std::span<const PackedPair> run) {
+                for (const PackedPair pair : run)
+                    if (pair_chunk(pair) >= begin && pair_chunk(pair) < end) pairs.push_back(pair);
+            });
+            std::sort(pairs.begin(), pairs.end());
+            append_blocks(a, pairs, strip);
+            begin = end;
+        }
+        strip.publish();
+        buckets_.release(a);
+    }
+
+  private:
+    /// Largest end so that pairs with begin <= b < end fit the room (one chunk at least).
+    ChunkNumber range_end(ChunkNumber a, ChunkNumber begin, std::uint64_t room) const {
+        std::vector<std::uint64_t> count(layout_.chunk_count());
+        buckets_.visit(a, [&](std::span<const PackedPair> run) {
+            for (const PackedPair pair : run) ++count[pair_chunk(pair)];
+        });
+        std::uint64_t sum = count[begin];
+        ChunkNumber end = begin + 1;
+        while (end < layout_.chunk_count() && sum + count[end] <= room) sum += count[end++];
+        return end;
+    }
+
+    /// Sorted pairs -> one block per run of equal b, encoded in parallel, appended in order.
+    void append_blocks(ChunkNumber a, std::span<const PackedPair> pairs, StripWriter& strip) const {
+        std::vector<std::size_t> begin;
+        for (std::size_t k = 0; k < pairs.size(); ++k)
+            if (k == 0 || pair_chunk(pairs[k]) != pair_chunk(pairs[k - 1])) begin.push_back(k);
+        begin.push_back(pairs.size());
+        const std::size_t count = begin.size() - 1;
+        std::vector<BlockFileWriter::Packed> packed(count);
+        std::vector<std::uint64_t> sizes(count);
+        parallel_for(count, 1, [&](std::size_t k) {
+            const StripPairs block = sum_pairs(a, pairs.subspan(begin[k], begin[k + 1] - begin[k]));
+            sizes[k] = block.column.size();
+            packed[k] = BlockFileWriter::pack(encode_counts(block), 3);
+        });
+        for (std::size_t k = 0; k < count; ++k) strip.append(pair_chunk(pairs[begin[k]]), sizes[k], packed[k]);
+    }
+
+    [[nodiscard]] StripPairs sum_pairs(ChunkNumber a, std::span<const PackedPair> pairs) const {
+        StripPairs block;
+        block.rows = layout_.size(a);
+        block.columns = layout_.size(pair_chunk(pairs.front()));
+        block.row_begin.assign(block.rows + 1, 0);
+        for (std::size_t k = 0; k < pairs.size();) {
+            std::uint64_t sum = 0;
+            const std::uint64_t place = pair_place(pairs[k]);
+            while (k < pairs.size() && pair_place(pairs[k]) == place) sum += pair_count(pairs[k++]);
+            ++block.row_begin[((place >> 16) & 0xffff) + 1];
+            block.column.push_back(static_cast<std::uint16_t>(place & 0xffff));
+            block.count.push_back(static_cast<std::uint32_t>(sum));
+        }
+        for (std::uint32_t row = 0; row < block.rows; ++row) block.row_begin[row + 1] += block.row_begin[row];
+        return block;
+    }
+
+    const ChunkLayout& layout_;
+    IdIndex ids_;
+    Tallies tallies_;
+    std::uint64_t memory_;
+    PairBuckets buckets_;
+};
+
+}  // namespace
+
+std::filesystem::path strip_path(const std::filesystem::path& folder, ChunkNumber a) {
+    return folder / ("strip-" + std::to_string(a) + ".lxs");
+}
+
+bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
+                   std::span<const std::filesystem::path> evidence_files, const Key& evidence_key,
+                   const std::filesystem::path& strip_folder, const Key& strip_key, const PoolOptions& options,
+                   const ProgressFunction& progress) {
+    if (layout.chunk_count() > max_chunks)
+        throw Error(ErrorCode::usage, "pooling", std::to_string(layout.chunk_count()) + " chunks, at most 65536 are possible",
+                    "choose larger chunks with --chunk-patches");
+    bool all_there = true;
+    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a)
+        all_there = all_there && block_file_is_whole(strip_path(strip_folder, a), FileKind::strip, strip_version, strip_key);
+    if (all_there) return false;
+    Pooling pooling(layout, ids, options);
+    const std::uint64_t steps = evidence_files.size() + layout.chunk_count();
+    std::uint64_t done = 0;
+    for (const auto& path : evidence_files) {
+        pooling.deal(path, evidence_key);
+        if (progress) progress(++done, steps);
+    }
+    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) {
+        pooling.write_strip(a, strip_path(strip_folder, a), strip_key);
+        if (progress) progress(++done, steps);
+    }
+    return true;
+}
+
+}  // namespace luxel

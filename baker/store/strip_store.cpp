@@ -1,0 +1,98 @@
+#include "baker/store/strip_store.h"
+
+#include <algorithm>
+
+#include "baker/store/pooling.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::size_t max_open_files = 128;
+constexpr std::uint64_t page_bytes = 4096, trailer_bytes = 16;
+
+void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+}
+
+}  // namespace
+
+StripStore::StripStore(std::filesystem::path folder, const Key& key, const ChunkLayout& layout)
+    : folder_(std::move(folder)), key_(key), layout_(layout) {
+    for (ChunkNumber a = 0; a < layout_.chunk_count(); ++a) {
+        const BlockFileReader file(strip_path(folder_, a), FileKind::strip, strip_version, &key_);
+        const StripTallies part = read_tallies(file);
+        if (part.rays.size() != layout_.size(a))
+            throw Error(ErrorCode::damaged_store, file.name(),
+                        "tallies of " + std::to_string(part.rays.size()) + " patches, expected " +
+                            std::to_string(layout_.size(a)));
+        append(tallies_.rays, part.rays);
+        append(tallies_.self, part.self);
+        append(tallies_.open, part.open);
+        append(tallies_.back, part.back);
+        first_block_.push_back(blocks_.size());
+        const auto directory = read_strip_directory(file);
+        for (std::size_t k = 0; k < directory.size(); ++k) {
+            if (directory[k].b < a || directory[k].b >= layout_.chunk_count())
+                throw Error(ErrorCode::damaged_store, file.name(), "directory names a chunk that does not exist");
+            const BlockEntry& entry = file.blocks()[first_pair_block + k];
+            const std::uint64_t bytes = entry.stored_bytes + trailer_bytes;
+            blocks_.push_back({a, directory[k].b, directory[k].pair_count,
+                               (bytes + page_bytes - 1) / page_bytes * page_bytes});
+        }
+        file_bytes_ += file.file_bytes();
+    }
+}
+
+std::uint64_t StripStore::pair_count() const {
+    std::uint64_t sum = 0;
+    for (const BlockInfo& block : blocks_) sum += block.pair_count;
+    return sum;
+}
+
+std::shared_ptr<const BlockFileReader> StripStore::open_strip(ChunkNumber a) const {
+    const std::lock_guard lock(mutex_);
+    for (auto at = open_.begin(); at != open_.end(); ++at)
+        if (at->first == a) {
+            open_.splice(open_.begin(), open_, at);
+            return open_.front().second;
+        }
+    open_.emplace_front(a, std::make_shared<const BlockFileReader>(strip_path(folder_, a), FileKind::strip,
+                                                                   strip_version, &key_));
+    if (open_.size() > max_open_files) open_.pop_back();
+    return open_.front().second;
+}
+
+void StripStore::load(std::size_t index, CountBlock& out) const {
+    const BlockInfo& info = blocks_.at(index);
+    const auto file = open_strip(info.a);
+    const std::size_t at = first_pair_block + index - first_block_[info.a];
+    const std::string where = file->name() + ": block " + std::to_string(at);
+    StripPairs pairs = decode_counts(file->read(at), info.a == info.b, where);
+    if (pairs.rows != layout_.size(info.a) || pairs.columns != layout_.size(info.b) ||
+        pairs.column.size() != info.pair_count)
+        throw Error(ErrorCode::damaged_store, where, "size does not fit the chunks",
+                    "remove the file and run the same command again");
+    out.a = info.a;
+    out.b = info.b;
+    out.row_begin = std::move(pairs.row_begin);
+    out.columns = std::move(pairs.column);
+    out.counts = std::move(pairs.count);
+}
+
+void ClosedStrips::load(std::size_t index, Block& out) {
+    CountBlock counts;
+    strips_.load(index, counts);
+    bytes_read_ += strips_.blocks()[index].read_bytes;
+    out.a = counts.a;
+    out.b = counts.b;
+    out.areas_m2.resize(counts.counts.size());
+    const double* mu_a = closure_.mu.data() + layout().first_patch[counts.a];
+    const double* mu_b = closure_.mu.data() + layout().first_patch[counts.b];
+    for (std::size_t row = 0; row + 1 < counts.row_begin.size(); ++row)
+        for (std::uint32_t k = counts.row_begin[row]; k < counts.row_begin[row + 1]; ++k)
+            out.areas_m2[k] = exchange_area(counts.counts[k], mu_a[row], mu_b[counts.columns[k]]);
+    out.row_begin = std::move(counts.row_begin);
+    out.columns = std::move(counts.columns);
+}
+
+}  // namespace luxel

@@ -1,0 +1,168 @@
+#include "baker/trace/tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "baker/trace/coincident.h"
+#include "baker/trace/embree_api.h"
+
+namespace luxel {
+namespace {
+
+// One instruction set on every machine; one building thread, since the tree's order decides ties at shared edges.
+constexpr const char* device_settings = "isa=avx2,threads=1,start_threads=0,set_affinity=0";
+
+[[noreturn]] void fail(RTCDevice device, const char* step) {
+    const RTCError code = rtcGetDeviceError(device);
+    throw Error(ErrorCode::internal, "Embree", std::string(step) + ": error " + std::to_string(static_cast<int>(code)),
+                code == RTC_ERROR_OUT_OF_MEMORY ? "the scene's triangles do not fit in memory" : "");
+}
+
+RTCRayHit make_ray(const TraceRay& ray, float near) {
+    RTCRayHit query{};
+    query.ray.org_x = ray.origin.x, query.ray.org_y = ray.origin.y, query.ray.org_z = ray.origin.z;
+    query.ray.dir_x = ray.direction.x, query.ray.dir_y = ray.direction.y, query.ray.dir_z = ray.direction.z;
+    query.ray.tnear = near;
+    query.ray.tfar = std::numeric_limits<float>::infinity();
+    query.ray.mask = 0xffffffffu;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.primID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return query;
+}
+
+}  // namespace
+
+struct Tracer::State {
+    explicit State(const Scene& s) : scene(s), coincident(s) {}
+    ~State() {
+        if (tree) rtcReleaseScene(tree);
+        if (device) rtcReleaseDevice(device);
+    }
+    const Scene& scene;
+    CoincidentTriangles coincident;
+    RTCDevice device = nullptr;
+    RTCScene tree = nullptr;
+    std::int64_t bytes = 0;
+};
+
+Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
+    State& s = *state_;
+    s.device = rtcNewDevice(device_settings);
+    if (!s.device) fail(nullptr, "cannot start");
+    rtcSetDeviceMemoryMonitorFunction(
+        s.device,
+        [](void* state, ssize_t bytes, bool) {
+            static_cast<State*>(state)->bytes += bytes;
+            return true;
+        },
+        state_.get());
+    s.tree = rtcNewScene(s.device);
+    rtcSetSceneFlags(s.tree, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(s.tree, RTC_BUILD_QUALITY_HIGH);
+    if (!scene.triangles.empty()) {
+        RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        // Embree reads 16 bytes from the last vertex: a copy with one spare float keeps it inside an allocation.
+        auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                                                     sizeof(Vec3f), scene.positions.size()));
+        if (!vertices) fail(s.device, "vertices");
+        std::copy_n(reinterpret_cast<const float*>(scene.positions.data()), scene.positions.size() * 3, vertices);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene.triangles.data(), 0,
+                                   sizeof(scene.triangles[0]), scene.triangles.size());
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(s.tree, geometry, 0);
+        rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(s.tree);
+    if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) fail(s.device, "cannot build the tree");
+}
+
+Tracer::~Tracer() = default;
+
+std::uint64_t Tracer::resident_bytes() const { return static_cast<std::uint64_t>(std::max<std::int64_t>(state_->bytes, 0)); }
+
+TraceHit Tracer::finish(const TraceRay& ray, std::uint32_t triangle, float b1, float b2, float distance,
+                        bool front) const {
+    TraceHit hit{triangle, b1, b2, distance, front};
+    if (state_->coincident.empty()) return hit;
+    const auto group = state_->coincident.group(triangle);
+    if (group.empty()) return hit;
+    const Scene& scene = state_->scene;
+    std::uint32_t chosen = none;
+    bool chosen_front = false;
+    for (const std::uint32_t candidate : group) {
+        const bool shows_front = scene.area_vector(candidate).dot(to_double(ray.direction)) < 0;
+        if (chosen == none || (shows_front && !chosen_front)) chosen = candidate, chosen_front = shows_front;
+    }
+    const Vec2f b = transfer_barycentrics(scene, triangle, chosen, {b1, b2});
+    return {chosen, b.x, b.y, distance, chosen_front};
+}
+
+TraceHit Tracer::first_hit(const TraceRay& ray) const {
+    float near = 0;
+    for (;;) {
+        RTCRayHit query = make_ray(ray, near);
+        embree_intersect1(state_->tree, query);
+        if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+        if (query.hit.primID == ray.from_triangle) {
+            near = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
+            continue;
+        }
+        const bool front = query.hit.Ng_x * ray.direction.x + query.hit.Ng_y * ray.direction.y +
+                               query.hit.Ng_z * ray.direction.z < 0;
+        return finish(ray, query.hit.primID, query.hit.u, query.hit.v, query.ray.tfar, front);
+    }
+}
+
+void Tracer::first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits) const {
+    for (std::size_t begin = 0; begin < rays.size(); begin += 8) {
+        const std::size_t count = std::min<std::size_t>(8, rays.size() - begin);
+        alignas(32) int valid[8];
+        RTCRayHit8 query;
+        for (std::size_t k = 0; k < 8; ++k) {
+            // Idle lanes repeat the first ray, so that every lane holds defined numbers.
+            const TraceRay& ray = rays[begin + (k < count ? k : 0)];
+            valid[k] = k < count ? -1 : 0;
+            query.ray.org_x[k] = ray.origin.x, query.ray.org_y[k] = ray.origin.y, query.ray.org_z[k] = ray.origin.z;
+            query.ray.dir_x[k] = ray.direction.x, query.ray.dir_y[k] = ray.direction.y;
+            query.ray.dir_z[k] = ray.direction.z;
+            query.ray.tnear[k] = 0, query.ray.time[k] = 0;
+            query.ray.tfar[k] = std::numeric_limits<float>::infinity();
+            query.ray.mask[k] = 0xffffffffu, query.ray.id[k] = 0, query.ray.flags[k] = 0;
+            query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+            query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+            query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        }
+        embree_intersect8(valid, state_->tree, query);
+        for (std::size_t k = 0; k < count; ++k) {
+            const TraceRay& ray = rays[begin + k];
+            if (query.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
+                hits[begin + k] = {};
+            } else if (query.hit.primID[k] == ray.from_triangle) {
+                hits[begin + k] = first_hit(ray);
+            } else {
+                const bool front = query.hit.Ng_x[k] * ray.direction.x + query.hit.Ng_y[k] * ray.direction.y +
+                                       query.hit.Ng_z[k] * ray.direction.z < 0;
+                hits[begin + k] = finish(ray, query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front);
+            }
+        }
+    }
+}
+
+bool Tracer::occluded(const TraceRay& ray, float distance_m) const {
+    RTCRayHit full = make_ray(ray, 0);
+    RTCRay shadow = full.ray;
+    // The far end lies on a surface: stop short of it by the rounding of the distance.
+    shadow.tfar = distance_m * (1 - 64 * std::numeric_limits<float>::epsilon());
+    embree_occluded1(state_->tree, shadow);
+    return shadow.tfar < 0;
+}
+
+const char* tracer_identity() {
+    static const std::string identity = "embree-" + std::to_string(RTC_VERSION_MAJOR) + "." +
+                                        std::to_string(RTC_VERSION_MINOR) + " avx2 robust high 8";
+    return identity.c_str();
+}
+
+}  // namespace luxel

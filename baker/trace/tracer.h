@@ -1,0 +1,56 @@
+/// First hits and visibility among the scene's triangles. Only user of Embree.
+///
+/// Determinism: one instruction set (AVX2), robust intersection, a tree built by one thread. Where triangles coincide
+/// exactly, the hit goes to the one that shows its front to the ray, and among those to the lowest number.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "baker/scene/scene.h"
+
+namespace luxel {
+
+struct TraceRay {
+    Vec3f origin;     ///< already off its surface (ray_offset.h)
+    Vec3f direction;  ///< unit
+    std::uint32_t from_triangle = none;  ///< never reported as hit
+};
+
+struct TraceHit {
+    std::uint32_t triangle = none;  ///< none: the ray left the scene
+    float b1 = 0, b2 = 0;           ///< barycentric weights of corners 1 and 2
+    float distance_m = 0;
+    bool front = false;  ///< the ray met the front
+};
+
+class Tracer {
+  public:
+    /// Builds the tree. Keeps a reference to the scene, which must outlive the tracer.
+    /// Throws Error{internal} with Embree's own words when it cannot (out of memory).
+    explicit Tracer(const Scene& scene);
+    ~Tracer();
+    Tracer(const Tracer&) = delete;
+    Tracer& operator=(const Tracer&) = delete;
+
+    /// hits[i] belongs to rays[i]; equal sizes. Threads: const and reentrant; the caller has flushed denormals.
+    void first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits) const;
+    [[nodiscard]] TraceHit first_hit(const TraceRay& ray) const;
+
+    /// Is anything between the origin and the point origin + distance_m * direction (both ends open)?
+    [[nodiscard]] bool occluded(const TraceRay& ray, float distance_m) const;
+
+    /// Bytes that Embree has allocated for this scene (its own copy of nothing: vertices are shared).
+    [[nodiscard]] std::uint64_t resident_bytes() const;
+
+  private:
+    struct State;
+    [[nodiscard]] TraceHit finish(const TraceRay& ray, std::uint32_t triangle, float b1, float b2, float distance,
+                                  bool front) const;
+    std::unique_ptr<State> state_;
+};
+
+/// What the identity of results depends on beside the inputs: part of the evidence key.
+const char* tracer_identity();
+
+}  // namespace luxel

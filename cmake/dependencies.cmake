@@ -1,0 +1,48 @@
+# Every outside library is found here and nowhere else.
+find_package(PkgConfig REQUIRED)
+find_package(Imath CONFIG REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog CONFIG REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(zstd CONFIG REQUIRED)
+find_package(TBB CONFIG REQUIRED)
+find_package(CLI11 CONFIG REQUIRED)
+find_package(draco CONFIG REQUIRED)
+find_package(meshoptimizer CONFIG REQUIRED)
+find_package(Threads REQUIRED)
+pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)
+
+# Embree 4 where found, else 3.13; baker/trace/embree_api.h hides the difference.
+find_package(embree 4 CONFIG QUIET)
+if(embree_FOUND)
+  set(LUXEL_EMBREE_MAJOR 4)
+else()
+  find_package(embree 3.13 CONFIG REQUIRED)
+  set(LUXEL_EMBREE_MAJOR 3)
+endif()
+
+# Debian's OpenImageIO names an OpenCV include folder that need not be there.
+find_package(OpenImageIO 2.4 CONFIG REQUIRED)
+foreach(property INTERFACE_INCLUDE_DIRECTORIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES)
+  get_target_property(folders OpenImageIO::OpenImageIO ${property})
+  if(folders)
+    list(FILTER folders EXCLUDE REGEX "opencv4")
+    set_target_properties(OpenImageIO::OpenImageIO PROPERTIES ${property} "${folders}")
+  endif()
+endforeach()
+
+# xatlas: an installed package, else the sources that tools/setup.sh has put into LUXEL_XATLAS_DIR.
+find_package(xatlas CONFIG QUIET)
+if(NOT TARGET xatlas::xatlas)
+  set(LUXEL_XATLAS_DIR "${CMAKE_SOURCE_DIR}/build/deps/xatlas" CACHE PATH "Folder with xatlas.h and xatlas.cpp")
+  if(NOT EXISTS "${LUXEL_XATLAS_DIR}/xatlas.cpp")
+    message(FATAL_ERROR "xatlas not found: no package xatlas and no ${LUXEL_XATLAS_DIR}/xatlas.cpp.\n"
+                        "Run tools/setup.sh, or set LUXEL_XATLAS_DIR.")
+  endif()
+  add_library(xatlas STATIC "${LUXEL_XATLAS_DIR}/xatlas.cpp")
+  target_include_directories(xatlas SYSTEM PUBLIC "${LUXEL_XATLAS_DIR}")
+  target_compile_options(xatlas PRIVATE -w)
+  add_library(xatlas::xatlas ALIAS xatlas)
+  set(LUXEL_OWN_XATLAS ON)
+endif()

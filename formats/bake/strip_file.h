@@ -1,0 +1,60 @@
+/// Pooled counts on disk: one strip file per chunk a, a block for every chunk b >= a with pairs. strip_file.md.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "formats/base/block_file.h"
+
+namespace luxel {
+
+constexpr std::uint32_t strip_version = 1;
+
+/// Counts of the pairs of a block in compressed rows: row r holds pairs [row_begin[r], row_begin[r + 1]).
+struct StripPairs {
+    std::uint32_t rows = 0, columns = 0;   ///< patches of chunk a and b; at most 65536
+    std::vector<std::uint32_t> row_begin;  ///< rows + 1
+    std::vector<std::uint16_t> column;     ///< ascending in a row
+    std::vector<std::uint32_t> count;      ///< > 0
+};
+
+/// Hierarchical bit index, then counts. Pure. Requires a valid block (ascending columns, counts > 0).
+Bytes encode_counts(const StripPairs& block);
+
+/// Validates everything. `diagonal`: only columns above the row are legal. Throws Error{damaged_store} naming `where`.
+StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where);
+
+/// What a strip says of its own patches beside the pairs: column k belongs to patch first_patch[a] + k.
+struct StripTallies {
+    std::vector<std::uint32_t> rays;  ///< N_i: rays that the patch has sent
+    std::vector<std::uint32_t> self;  ///< n_ii: of those, landed on the patch itself
+    std::vector<std::uint32_t> open;  ///< left into the open
+    std::vector<std::uint32_t> back;  ///< absorbed by the back of a one-sided surface
+};
+
+struct StripBlockInfo {
+    std::uint32_t b = 0;
+    std::uint64_t pair_count = 0;
+};
+
+/// Reads the fixed first blocks of a strip: tallies and directory; block k of the directory is block k + 5 of the file.
+StripTallies read_tallies(const BlockFileReader& file);
+std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file);
+constexpr std::size_t first_pair_block = 5;
+
+/// Collects the blocks of one strip and publishes the file whole. Blocks must come in ascending order of b.
+class StripWriter {
+  public:
+    StripWriter(const std::filesystem::path& path, const Key& key, StripTallies tallies);
+    void append(std::uint32_t b, std::uint64_t pair_count, const BlockFileWriter::Packed& block);
+    void publish();
+
+  private:
+    std::filesystem::path path_;
+    Key key_;
+    StripTallies tallies_;
+    std::vector<StripBlockInfo> directory_;
+    std::vector<BlockFileWriter::Packed> blocks_;
+};
+
+}  // namespace luxel

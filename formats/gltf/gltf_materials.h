@@ -1,0 +1,17 @@
+/// Materials, textures and images of a document, as far as they say how surfaces reflect and emit.
+///
+/// Units    base colour and emission factors linear; emission in nits; UV transforms as TextureUse says.
+/// Images   are read only where a material uses them for colour or emission; others keep empty bytes without a warning.
+/// Errors   Error{bad_input}: members of a wrong type, indices out of range. Missing images are warnings.
+/// Threads  pure functions.
+/// Source   glTF 2.0 specification, section 3.9 and 3.8; the KHR_materials_* extensions; KHR_texture_transform.
+#pragma once
+#include "formats/gltf/gltf_document.h"
+#include "formats/gltf/scene_record.h"
+
+namespace luxel {
+
+/// Fills record.materials, textures and images; appends warnings. `external_images`: read files beside the document too.
+void read_materials(const GltfDocument& document, bool external_images, SceneRecord& record);
+
+}  // namespace luxel

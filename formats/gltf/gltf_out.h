@@ -1,0 +1,65 @@
+/// The baked model: the input file with lightmaps. glTF binary, or .gltf with .bin and pictures when the name ends so.
+///
+/// Kept     everything: nodes, names, cameras, animations, skins, extras, unknown extensions and JSON members, textures
+///          and the bytes of their pictures, all attributes (also custom ones, joints, weights, morph targets) in their
+///          component types, unused materials. Points, lines, and meshes without a layout stay as they are.
+/// Added    TEXCOORD_1 with the lightmap layout; per (material, page) a clone of the material with MOZ_lightmap
+///          { index, texCoord: 1, intensity, extras: { quantity, unit, encoding } }; a texture and a picture per page;
+///          asset.extras.luxel { version }. "MOZ_lightmap" goes to extensionsUsed, never to extensionsRequired.
+/// Changed  Vertices are split where charts are cut: one per distinct (old vertex, lightmap coordinate). A primitive
+/// whose
+///          triangles lie on several pages becomes one primitive per page. Strips and fans become triangles. A mesh
+///          that several nodes show is copied per node, since every node has its own light; equal arrays are stored
+///          once. A TEXCOORD_1 of the input moves to the next free set (materials that use it follow), except where
+///          only an earlier MOZ_lightmap used it. Meshopt and Draco data is written decoded; quantized attributes stay
+///          quantized. Pictures outside a GLB are embedded. Arrays that only replaced primitives used are removed,
+///          unless an extension that is unknown here might refer to them by number.
+/// Errors   Error{cannot_write} (disk full, a folder as output, more than 4 GiB in a GLB): nothing partial is left.
+///          Error{internal}: the layout does not fit the record. Error{bad_input}: an array cannot be read.
+/// Threads  pure function of its arguments; the same arguments give the same bytes.
+/// Source   glTF 2.0; MOZ_lightmap (draft by T. Takahiro, as the Hubs exporter and importer use it).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "formats/gltf/gltf_document.h"
+#include "formats/gltf/scene_record.h"
+
+namespace luxel {
+
+/// In PrimitiveLayout::triangle_page: a triangle without a place (no area). It is kept, at coordinate 0 of a page that
+/// its primitive uses; a primitive without any placed triangle stays without lightmap.
+constexpr std::uint32_t no_page = 0xffffffffu;
+
+struct PrimitiveLayout {
+    std::vector<Imath::V2f> corner_uv;         ///< 3 per triangle of the PrimitiveRecord: 0..1 of its page, v down
+    std::vector<std::uint32_t> triangle_page;  ///< per triangle: index into GltfLightmaps::pages, or no_page
+};
+
+/// As MeshRecord::primitives of the instance's mesh, one by one; empty: this node gets no lightmap.
+using InstanceLayout = std::vector<PrimitiveLayout>;
+
+struct LightmapPicture {
+    std::string name;      ///< of texture and picture, "lightmap0.srgb8"
+    Bytes png;             ///< embedded or written as a file beside a .gltf
+    double intensity = 1;  ///< MOZ_lightmap intensity
+};
+
+struct GltfLightmaps {
+    std::vector<LightmapPicture> pages;
+    std::vector<InstanceLayout> instances;  ///< as SceneRecord::instances; those with gpu_instance >= 0 stay empty
+    std::string quantity = "irradiance", unit = "lux", encoding = "srgb8";
+    std::string version;  ///< of luxel
+};
+
+struct GltfWritten {
+    std::vector<std::filesystem::path> files;  ///< the model first
+    std::vector<Warning> warnings;
+};
+
+/// `document` and `record` as read from the input (load_gltf, read_scene).
+GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& document, const SceneRecord& record,
+                       const GltfLightmaps& lightmaps);
+
+}  // namespace luxel

@@ -1,0 +1,85 @@
+#include "formats/gltf/gltf_out_material.h"
+
+namespace luxel {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* lightmap_extension = "MOZ_lightmap";
+
+/// Calls visit(value) for every "texCoord" in the object and below.
+template <class Json, class Visit>
+void for_uv_sets(Json& value, const Visit& visit) {
+    if (value.is_array()) {
+        for (auto& item : value) for_uv_sets(item, visit);
+    } else if (value.is_object()) {
+        for (auto item = value.begin(); item != value.end(); ++item) {
+            if (item.key() == "texCoord" && item.value().is_number_unsigned())
+                visit(item.value());
+            else if (item.key() != "extras" && item.key() != lightmap_extension)
+                for_uv_sets(item.value(), visit);
+        }
+    }
+}
+
+}  // namespace
+
+bool uses_uv_set(const json& object, std::uint64_t set) {
+    bool found = false;
+    for_uv_sets(object, [&](const json& value) { found = found || value == set; });
+    return found;
+}
+
+void change_uv_set(json& object, std::uint64_t from, std::uint64_t to) {
+    for_uv_sets(object, [&](json& value) {
+        if (value == from) value = to;
+    });
+}
+
+bool has_texture(const json& material) {
+    if (!material.is_object()) return false;
+    for (const auto& [key, value] : material.items()) {
+        if (key == "extras" || key == lightmap_extension) continue;
+        if (key.ends_with("Texture") || has_texture(value)) return true;
+    }
+    return false;
+}
+
+LightmapMaterials::LightmapMaterials(OutputModel& model, const GltfLightmaps& lightmaps,
+                                     const std::vector<std::uint64_t>& images)
+    : model_(model), lightmaps_(lightmaps) {
+    if (images.empty()) return;
+    // Clamped, and without mipmaps: a coarser level would mix neighbouring charts.
+    constexpr int linear = 9729, clamp_to_edge = 33071;
+    const std::uint64_t sampler = model.append(
+        "samplers", {{"magFilter", linear}, {"minFilter", linear}, {"wrapS", clamp_to_edge}, {"wrapT", clamp_to_edge}});
+    for (std::size_t page = 0; page < images.size(); ++page)
+        textures_.push_back(model.append(
+            "textures", {{"name", lightmaps.pages[page].name}, {"sampler", sampler}, {"source", images[page]}}));
+}
+
+const json& LightmapMaterials::source(std::int64_t material) const {
+    static const json default_material = json::object();
+    const auto materials = model_.document.json.find("materials");
+    if (material < 0 || materials == model_.document.json.end()) return default_material;
+    return (*materials)[static_cast<std::size_t>(material)];
+}
+
+std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page, std::uint64_t moved_uv_set) {
+    const auto key = std::tuple{material, page, moved_uv_set};
+    if (const auto known = clones_.find(key); known != clones_.end()) return known->second;
+    json copy = source(material);
+    if (moved_uv_set) change_uv_set(copy, 1, moved_uv_set);
+    copy["extensions"][lightmap_extension] = {
+        {"index", textures_[page]},
+        {"texCoord", 1},
+        {"intensity", lightmaps_.pages[page].intensity},
+        {"extras", {{"quantity", lightmaps_.quantity}, {"unit", lightmaps_.unit}, {"encoding", lightmaps_.encoding}}}};
+    const std::uint64_t index = model_.append("materials", std::move(copy));
+    clones_.emplace(key, index);
+    use_extension(model_.root, lightmap_extension);
+    return index;
+}
+
+}  // namespace luxel

@@ -1,0 +1,175 @@
+#include "formats/gltf/gltf_out_mesh.h"
+
+#include "formats/gltf/gltf_json.h"
+
+namespace luxel {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr const char* variants_extension = "KHR_materials_variants";
+constexpr const char* draco_extension = "KHR_draco_mesh_compression";
+constexpr int mode_triangles = 4;
+
+const json& mesh_item(const GltfDocument& document, std::int64_t mesh) {
+    return gltf_item(document.json, "meshes", mesh, document.name);
+}
+
+/// The accessor object behind a number of the input, or nullptr.
+const json* accessor_object(const GltfDocument& document, const json& index) {
+    const auto accessors = document.json.find("accessors");
+    if (accessors == document.json.end() || !index.is_number_unsigned() ||
+        index.get<std::uint64_t>() >= accessors->size())
+        return nullptr;
+    return &(*accessors)[index.get<std::size_t>()];
+}
+
+/// Every material that a primitive may show: its own, and those of its variants.
+std::vector<std::int64_t> materials_of(const json& primitive, std::size_t material_count, const std::string& where) {
+    std::vector<std::int64_t> materials{json_index(primitive, "material", material_count, where)};
+    if (const json* variants = json_extension(primitive, variants_extension, where))
+        for (const json& mapping : json_array(*variants, "mappings", where))
+            materials.push_back(json_index(mapping, "material", material_count, where));
+    return materials;
+}
+
+AccessorBytes uv_elements(const std::vector<Imath::V2f>& uv) {
+    AccessorBytes elements;
+    elements.components = 2;
+    elements.type = "VEC2";
+    elements.count = uv.size();
+    ByteWriter writer;
+    for (const Imath::V2f& point : uv) {
+        writer.put(point.x);
+        writer.put(point.y);
+    }
+    elements.data = writer.take();
+    return elements;
+}
+
+}  // namespace
+
+std::vector<SourcePrimitive> MeshRewriter::read_mesh(std::int64_t mesh, const MeshRecord& record) const {
+    const GltfDocument& document = model_.document;
+    std::vector<SourcePrimitive> sources;
+    for (const PrimitiveRecord& primitive : record.primitives) {
+        SourcePrimitive& source = sources.emplace_back();
+        source.primitive = primitive.gltf_primitive;
+        source.where = primitive_name(document, mesh, source.primitive);
+        source.arrays = read_primitive(document, mesh, source.primitive);
+        source.triangles = triangle_list(source.arrays.mode, source.arrays.indices);
+        const json& item = gltf_item(mesh_item(document, mesh), "primitives", source.primitive, source.where);
+        for (const json& target : json_array(item, "targets", source.where)) {
+            auto& arrays = source.targets.emplace_back();
+            for (const auto& [semantic, accessor] : target.items()) {
+                const std::string here = source.where + ": target " + semantic;
+                const auto index = static_cast<std::int64_t>(json_value_size(accessor, "accessor", here));
+                const AccessorBytes& array = arrays[semantic] = read_elements(document, index, here);
+                if (array.count != source.arrays.vertex_count)
+                    bad_gltf(here, "has " + std::to_string(array.count) + " elements, POSITION has " +
+                                       std::to_string(source.arrays.vertex_count));
+            }
+        }
+    }
+    return sources;
+}
+
+json MeshRewriter::rewrite(std::int64_t mesh, const std::vector<SourcePrimitive>& sources,
+                           const InstanceLayout& layout) {
+    const json& item = mesh_item(model_.document, mesh);
+    json copy = item;
+    json primitives = json::array();
+    std::size_t next = 0;
+    const json& old_primitives = json_array(item, "primitives", model_.document.name);
+    for (std::size_t p = 0; p < old_primitives.size(); ++p) {
+        if (next < sources.size() && sources[next].primitive == static_cast<std::int64_t>(p)) {
+            append_parts(old_primitives[p], sources[next], layout[next], primitives);
+            ++next;
+        } else {
+            primitives.push_back(old_primitives[p]);
+        }
+    }
+    copy["primitives"] = std::move(primitives);
+    return copy;
+}
+
+void MeshRewriter::append_parts(const json& item, const SourcePrimitive& source, const PrimitiveLayout& layout,
+                                json& out) {
+    const std::vector<PagePart> parts =
+        split_by_layout(source.triangles, source.arrays.vertex_count, layout, page_count_, source.where);
+    if (parts.empty()) out.push_back(item);
+    for (const PagePart& part : parts) out.push_back(make_part(item, source, part));
+}
+
+/// Where TEXCOORD_1 of the input goes: the next free set; 0 if there is none, or if only an older lightmap used it.
+std::uint64_t MeshRewriter::choose_moved_set(const json& item) const {
+    const json& attributes = item["attributes"];
+    if (!attributes.contains("TEXCOORD_1")) return 0;
+    bool has_old_lightmap = false, is_used = uses_uv_set(item, 1);
+    const std::size_t material_count = gltf_count(model_.document.json, "materials");
+    for (const std::int64_t material : materials_of(item, material_count, model_.document.name)) {
+        const json& source = materials_.source(material);
+        is_used = is_used || uses_uv_set(source, 1);
+        has_old_lightmap = has_old_lightmap || json_extension(source, "MOZ_lightmap", model_.document.name);
+    }
+    if (has_old_lightmap && !is_used) return 0;
+    std::uint64_t set = 2;
+    while (attributes.contains("TEXCOORD_" + std::to_string(set))) ++set;
+    return set;
+}
+
+json MeshRewriter::gather_attributes(const json& accessors_by_name, const std::map<std::string, AccessorBytes>& arrays,
+                                     const PagePart& part, std::uint64_t moved_set) {
+    json attributes = json::object();
+    for (const auto& [semantic, elements] : arrays) {
+        const bool is_old_uv = semantic == "TEXCOORD_1";
+        if (is_old_uv && !moved_set) continue;
+        const std::string name = is_old_uv ? "TEXCOORD_" + std::to_string(moved_set) : semantic;
+        const json* like = accessor_object(model_.document, accessors_by_name[semantic]);
+        attributes[name] = arrays_.add(gather_elements(elements, part.source_vertex), ArrayUse::vertices, like,
+                                       semantic == "POSITION");
+    }
+    return attributes;
+}
+
+/// TEXCOORD_1, and TEXCOORD_0 where the primitive has none: sets have to be numbered without gaps. A textured material
+/// then gets zeros, which is what viewers take for a missing set; others share the new array.
+void MeshRewriter::add_lightmap_uv(const json& item, const std::string& where, const PagePart& part, json& attributes) {
+    const std::uint64_t uv = arrays_.add(uv_elements(part.uv), ArrayUse::vertices, nullptr, false);
+    attributes["TEXCOORD_1"] = uv;
+    if (attributes.contains("TEXCOORD_0")) return;
+    attributes["TEXCOORD_0"] = uv;
+    const std::size_t material_count = gltf_count(model_.document.json, "materials");
+    for (const std::int64_t material : materials_of(item, material_count, where))
+        if (has_texture(materials_.source(material)))
+            attributes["TEXCOORD_0"] = arrays_.add(uv_elements(std::vector<Imath::V2f>(part.uv.size(), {0.0f, 0.0f})),
+                                                   ArrayUse::vertices, nullptr, false);
+}
+
+json MeshRewriter::make_part(const json& item, const SourcePrimitive& source, const PagePart& part) {
+    const std::uint64_t moved_set = choose_moved_set(item);
+    json primitive = item;
+    erase_extension(primitive, draco_extension);
+    if (moved_set && primitive.contains("extensions")) change_uv_set(primitive["extensions"], 1, moved_set);
+    primitive["mode"] = mode_triangles;
+    json attributes = gather_attributes(item["attributes"], source.arrays.attributes, part, moved_set);
+    add_lightmap_uv(item, source.where, part, attributes);
+    primitive["attributes"] = std::move(attributes);
+    const json* old_indices = item.contains("indices") ? accessor_object(model_.document, item["indices"]) : nullptr;
+    primitive["indices"] = arrays_.add_indices(part.indices, part.uv.size(), old_indices);
+    for (std::size_t target = 0; target < source.targets.size(); ++target)
+        primitive["targets"][target] =
+            gather_attributes(item["targets"][target], source.targets[target], part, moved_set);
+
+    const std::size_t material_count = gltf_count(model_.document.json, "materials");
+    primitive["material"] =
+        materials_.clone(json_index(item, "material", material_count, source.where), part.page, moved_set);
+    if (json_extension(primitive, variants_extension, source.where))
+        for (json& mapping : primitive["extensions"][variants_extension]["mappings"])
+            mapping["material"] =
+                materials_.clone(json_index(mapping, "material", material_count, source.where), part.page, moved_set);
+    return primitive;
+}
+
+}  // namespace luxel

@@ -1,0 +1,145 @@
+#include "formats/image/image_file.h"
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <string_view>
+
+#include "formats/image/image_plugin.h"
+#include "formats/image/png_check.h"
+
+namespace luxel {
+namespace {
+
+constexpr const char* module_name = "luxel_image_plugin.so";
+std::atomic<bool> module_is_loaded{false};
+
+std::vector<std::filesystem::path> module_folders() {
+    std::vector<std::filesystem::path> folders;
+    if (const char* chosen = std::getenv("LUXEL_PLUGIN_DIR")) return {chosen};
+    std::error_code unknown;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    if (!unknown) {
+        folders.push_back(program.parent_path());
+        folders.push_back(program.parent_path() / ".." / "lib" / "luxel");
+    }
+    folders.emplace_back(LUXEL_PLUGIN_BUILD_DIR);
+    return folders;
+}
+
+const ImagePlugin* load_module() {
+    std::string tried;
+    for (const auto& folder : module_folders()) {
+        const auto path = folder / module_name;
+        tried += (tried.empty() ? "" : ", ") + folder.string();
+        std::error_code ignored;
+        if (!std::filesystem::exists(path, ignored)) continue;
+        void* handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!handle)
+            throw Error(ErrorCode::not_in_build, path.string(), std::string("cannot load: ") + ::dlerror(),
+                        "install OpenImageIO, or build this program again");
+        const auto entry = reinterpret_cast<ImagePluginEntry>(::dlsym(handle, image_plugin_entry));
+        const ImagePlugin* plugin = entry ? entry() : nullptr;
+        if (!plugin || plugin->version != image_plugin_version) {
+            ::dlclose(handle);
+            throw Error(ErrorCode::not_in_build, path.string(),
+                        "expected version " + std::to_string(image_plugin_version) + " of the image module, found " +
+                            (plugin ? std::to_string(plugin->version) : std::string("another library")),
+                        "keep the program and its modules from one build together");
+        }
+        module_is_loaded = true;
+        return plugin;  // never closed: the library keeps threads and tables of its own
+    }
+    throw Error(ErrorCode::not_in_build, module_name, "not found; looked in " + tried,
+                "set LUXEL_PLUGIN_DIR to the folder that holds it");
+}
+
+const ImagePlugin& plugin() {
+    static std::mutex guard;
+    static const ImagePlugin* loaded = nullptr;
+    const std::lock_guard lock(guard);
+    if (!loaded) loaded = load_module();
+    return *loaded;
+}
+
+/// The reader for these bytes by their first bytes; names and mime types of scenes are often wrong. nullptr: none.
+const char* extension_of(ByteView bytes) {
+    const auto begins = [&](std::string_view magic, std::size_t at = 0) {
+        return bytes.size() >= at + magic.size() && std::memcmp(bytes.data() + at, magic.data(), magic.size()) == 0;
+    };
+    if (begins("\x89PNG\r\n\x1a\n")) return "png";
+    if (begins("\xff\xd8\xff")) return "jpg";
+    if (begins("RIFF") && begins("WEBP", 8)) return "webp";
+    if (begins("#?RADIANCE") || begins("#?RGBE")) return "hdr";
+    if (begins("\x76\x2f\x31\x01")) return "exr";
+    return nullptr;
+}
+
+PluginAttributes attributes_of(const ImageMetadata& metadata) {
+    PluginAttributes attributes;
+    attributes.texts = {{"quantity", metadata.quantity},
+                        {"unit", metadata.unit},
+                        {"encoding", metadata.encoding},
+                        {"Software", metadata.software}};
+    attributes.texts.insert(attributes.texts.end(), metadata.more.begin(), metadata.more.end());
+    attributes.numbers = {{"intensity", static_cast<float>(metadata.intensity)}};
+    return attributes;
+}
+
+}  // namespace
+
+ImagePixels decode_image(ByteView bytes, const std::string& where, const ImageLimits& limits) {
+    const char* extension = extension_of(bytes);
+    if (!extension)
+        throw Error(ErrorCode::bad_input, where, "expected PNG, JPEG, WebP, HDR or EXR, found another kind of file",
+                    "convert the picture to one of these");
+    ImagePixels image;
+    std::string why = extension == std::string_view("png") ? png_damage(bytes) : std::string();
+    if (why.empty()) why = plugin().decode(bytes, extension, limits, image);
+    if (!why.empty())
+        throw Error(ErrorCode::bad_input, where, "cannot decode as " + std::string(extension) + ": " + why,
+                    "open and save the picture again with another program");
+    return image;
+}
+
+Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& metadata) {
+    if (image.values.size() != std::uint64_t{image.width} * image.height * image.channels.size() ||
+        image.values.empty())
+        throw Error(ErrorCode::internal, "encode_exr", "the number of values is not width * height * channels");
+    Bytes bytes;
+    const std::string why = plugin().encode_exr(image, sample, attributes_of(metadata), bytes);
+    if (!why.empty()) throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: " + why);
+    return bytes;
+}
+
+ExrSample exr_sample_for(std::span<const float> values) {
+    constexpr float half_max = 65504.0f, half_min_normal = 6.103515625e-5f, negligible = 5.9604645e-8f;
+    float largest = 0;
+    for (const float value : values) largest = std::max(largest, std::abs(value));
+    if (!(largest <= half_max)) return ExrSample::float_32;
+    const float floor = largest * negligible;
+    for (const float value : values) {
+        const float size = std::abs(value);
+        if (size > floor && size < half_min_normal) return ExrSample::float_32;
+    }
+    return ExrSample::half_float;
+}
+
+Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
+                 const ImageMetadata& metadata) {
+    if (rgb.size() != std::uint64_t{width} * height * 3 || rgb.empty())
+        throw Error(ErrorCode::internal, "encode_png", "the number of bytes is not width * height * 3");
+    Bytes bytes;
+    const std::string why = plugin().encode_png(width, height, rgb, attributes_of(metadata), bytes);
+    if (!why.empty()) throw Error(ErrorCode::cannot_write, "PNG picture", "cannot encode: " + why);
+    return bytes;
+}
+
+bool image_library_is_loaded() { return module_is_loaded; }
+
+}  // namespace luxel

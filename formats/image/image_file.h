@@ -1,0 +1,78 @@
+/// Pictures: decode what scenes bring (PNG, JPEG, WebP, Radiance HDR, OpenEXR) and encode what a bake publishes
+/// (OpenEXR, 8-bit PNG).
+///
+/// The image library costs 0.17 s and 130 MB per process, so it lives in a module (luxel_image_plugin.so) that is
+/// loaded by the first call here that needs it; a program which never touches a picture never pays. The module is
+/// looked for in the folder LUXEL_PLUGIN_DIR, beside the running program, in ../lib/luxel from there, and where it was
+/// built.
+///
+/// Errors   Error{bad_input}: not a picture of these kinds, damaged, or too large. Error{not_in_build}: the module is
+///          missing or of another version. Error{cannot_write}: a picture could not be encoded.
+/// Threads  all functions are reentrant. The bytes written do not depend on the thread count.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/base/bytes.h"
+
+namespace luxel {
+
+/// RGBA as stored in the file: integers divided by their largest value, floats as they are; no colour conversion, alpha
+/// not multiplied in (WebP: recovered, so black where alpha is 0). Grey is repeated in all three channels; alpha is 1
+/// where the file has none. Row 0 is the top.
+struct ImagePixels {
+    std::uint32_t width = 0, height = 0;
+    bool is_float = false;                     ///< half or float samples (HDR, EXR): linear already
+    std::vector<std::array<float, 4>> pixels;  ///< width * height
+};
+
+/// What is refused before anything is allocated for it.
+struct ImageLimits {
+    std::uint32_t max_side = 32768;
+    std::uint64_t max_pixels = std::uint64_t{1} << 30;
+};
+
+/// `where` names the picture in messages.
+ImagePixels decode_image(ByteView bytes, const std::string& where, const ImageLimits& limits = {});
+
+/// What the numbers of a written picture mean; all of it is stored in the file.
+struct ImageMetadata {
+    std::string quantity;                                   ///< "irradiance"
+    std::string unit;                                       ///< "lux"
+    std::string encoding;                                   ///< "linear", or a name of baker/output/lightmap_encode.h
+    double intensity = 1;                                   ///< value = decoded sample * intensity
+    std::string software = "luxel";                         ///< name and version of the writer
+    std::vector<std::pair<std::string, std::string>> more;  ///< further attributes, in this order
+};
+
+enum class ExrSample { half_float, float_32 };
+
+/// Interleaved float channels, row 0 at the top. `values` has width * height * channels.size() elements.
+struct ImageView {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::string> channels;  ///< "R", "G", "B", then any others
+    std::span<const float> values;
+};
+
+/// An OpenEXR file: lossless ZIP compression, the metadata as attributes `quantity`, `unit`, `encoding`, `intensity`
+/// and `Software`, and a fixed DateTime, so that the same values give the same bytes. Values beyond 65504 become
+/// infinite as half_float: ask exr_sample_for() first.
+Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& metadata);
+
+/// half_float where every value survives it with at most 2^-11 relative error (0, or 2^-14 <= |v| <= 65504), else
+/// float_32. Values below 2^-24 of the largest one do not count: beside it they are nothing.
+ExrSample exr_sample_for(std::span<const float> values);
+
+/// An 8-bit RGB PNG without colour chunks (glTF gives the colour space), metadata as text chunks of the same names.
+/// `rgb` has width * height * 3 bytes, row 0 at the top.
+Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
+                 const ImageMetadata& metadata);
+
+/// Has the module been loaded by this process? (For tests of the promise above.)
+bool image_library_is_loaded();
+
+}  // namespace luxel

@@ -1,0 +1,163 @@
+"""Writes small glTF 2.0 files: polygons in, NAME.gltf + NAME.bin out. Standard library only.
+
+Lengths are metres, Y is up. A face is a list of corners, counter-clockwise seen from its front. Faces keep their own
+vertices and no NORMAL is written, so shading is flat by the specification.
+"""
+import json
+import math
+import os
+import struct
+
+
+def subtract(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def facing(corners, direction):
+    """The face, wound so that its front looks along `direction`."""
+    normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]))
+    return list(corners) if dot(normal, direction) > 0 else list(reversed(corners))
+
+
+def rectangle(axis, at, low, high, sign):
+    """Rectangle in the plane axis = at, between `low` and `high` (the two other coordinates, in the order x, y, z),
+    front towards sign * axis."""
+    corners = []
+    for u, v in ((low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])):
+        point = [u, v]
+        point.insert(axis, at)
+        corners.append(tuple(point))
+    direction = [0, 0, 0]
+    direction[axis] = sign
+    return facing(corners, direction)
+
+
+def box(low, high, omit=()):
+    """Faces of a box, fronts outward. omit: names of faces to leave out, such as "-y" for a box standing on a floor."""
+    faces = []
+    for axis, letter in enumerate("xyz"):
+        others = [k for k in range(3) if k != axis]
+        for sign, at in ((-1, low[axis]), (1, high[axis])):
+            if ("-" if sign < 0 else "+") + letter not in omit:
+                faces.append(rectangle(axis, at, [low[k] for k in others], [high[k] for k in others], sign))
+    return faces
+
+
+def lathe(profile, segments):
+    """Surface of revolution about Y, fronts outward; profile: (radius, height) upwards. A radius of 0 closes it."""
+    ring = [(math.cos(2 * math.pi * k / segments), math.sin(2 * math.pi * k / segments)) for k in range(segments)]
+    faces = []
+    for (r0, y0), (r1, y1) in zip(profile, profile[1:]):
+        for k in range(segments):
+            (c0, s0), (c1, s1) = ring[k], ring[(k + 1) % segments]
+            corners = [(r0 * c0, y0, r0 * s0), (r1 * c0, y1, r1 * s0), (r1 * c1, y1, r1 * s1), (r0 * c1, y0, r0 * s1)]
+            unique = [p for n, p in enumerate(corners) if p not in corners[:n]]
+            if len(unique) >= 3:
+                faces.append(unique)
+    return faces
+
+
+class Gltf:
+    """One scene under construction. Materials and meshes are kept under their names and shared."""
+
+    def __init__(self):
+        self.materials, self.meshes, self.nodes = [], [], []
+        self.views, self.accessors, self.roots = [], [], []
+        self.blob = bytearray()
+        self.material_ids, self.mesh_ids = {}, {}
+        self.uses_strength = False
+
+    def material(self, name, reflectance, nits=None, double_sided=False):
+        """Diffuse material; nits: luminance per linear Rec.709 channel of an emissive one. Returns its index."""
+        if name not in self.material_ids:
+            entry = {"name": name, "pbrMetallicRoughness": {
+                "baseColorFactor": [*map(float, reflectance), 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0}}
+            if nits is not None:
+                strength = max(nits)
+                entry["emissiveFactor"] = [n / strength for n in nits]
+                entry["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": float(strength)}}
+                self.uses_strength = True
+            if double_sided:
+                entry["doubleSided"] = True
+            self.material_ids[name] = len(self.materials)
+            self.materials.append(entry)
+        return self.material_ids[name]
+
+    def _accessor(self, data, component, kind, count, target, **limits):
+        while len(self.blob) % 4:
+            self.blob.append(0)
+        self.views.append({"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(data), "target": target})
+        self.blob += data
+        self.accessors.append({"bufferView": len(self.views) - 1, "componentType": component, "count": count,
+                               "type": kind, **limits})
+        return len(self.accessors) - 1
+
+    def mesh(self, name, faces, material):
+        """Indexed triangles of convex faces; returns the mesh index. A second call with a known name shares the mesh."""
+        if name in self.mesh_ids:
+            return self.mesh_ids[name]
+        points, indices = [], []
+        for face in faces:
+            first = len(points)
+            points += [struct.unpack("<3f", struct.pack("<3f", *p)) for p in face]
+            for k in range(1, len(face) - 1):
+                indices += [first, first + k, first + k + 1]
+        limits = {"min": [min(p[k] for p in points) for k in range(3)], "max": [max(p[k] for p in points) for k in range(3)]}
+        position = self._accessor(b"".join(struct.pack("<3f", *p) for p in points), 5126, "VEC3", len(points), 34962, **limits)
+        wide = len(points) > 65535
+        index = self._accessor(struct.pack(f"<{len(indices)}{'I' if wide else 'H'}", *indices), 5125 if wide else 5123,
+                               "SCALAR", len(indices), 34963)
+        self.mesh_ids[name] = len(self.meshes)
+        self.meshes.append({"name": name, "primitives": [
+            {"attributes": {"POSITION": position}, "indices": index, "material": material, "mode": 4}]})
+        return self.mesh_ids[name]
+
+    def node(self, name, mesh=None, parent=None, translation=None, turn_degrees=0.0, scale=None):
+        """Adds a node, turned about Y; returns its index."""
+        entry = {"name": name}
+        if mesh is not None:
+            entry["mesh"] = mesh
+        if translation is not None:
+            entry["translation"] = [float(v) for v in translation]
+        if turn_degrees:
+            half = math.radians(turn_degrees) / 2
+            entry["rotation"] = [0.0, math.sin(half), 0.0, math.cos(half)]
+        if scale is not None:
+            entry["scale"] = [float(v) for v in scale]
+        self.nodes.append(entry)
+        index = len(self.nodes) - 1
+        (self.roots if parent is None else self.nodes[parent].setdefault("children", [])).append(index)
+        return index
+
+    def piece(self, name, faces, material, parent=None):
+        """A node with a mesh of its own."""
+        return self.node(name, self.mesh(name, faces, material), parent)
+
+    def triangle_count(self):
+        """Triangles of all instances."""
+        def of_mesh(index):
+            return sum(self.accessors[p["indices"]]["count"] // 3 for p in self.meshes[index]["primitives"])
+        return sum(of_mesh(n["mesh"]) for n in self.nodes if "mesh" in n)
+
+    def save(self, folder, name):
+        """Writes folder/NAME.gltf and folder/NAME.bin."""
+        os.makedirs(folder, exist_ok=True)
+        document = {"asset": {"version": "2.0", "generator": "luxel samples/make_samples.py"}, "scene": 0,
+                    "scenes": [{"name": name, "nodes": self.roots}], "nodes": self.nodes, "meshes": self.meshes,
+                    "materials": self.materials, "accessors": self.accessors, "bufferViews": self.views,
+                    "buffers": [{"uri": name + ".bin", "byteLength": len(self.blob)}]}
+        if self.uses_strength:
+            document["extensionsUsed"] = ["KHR_materials_emissive_strength"]
+        with open(os.path.join(folder, name + ".bin"), "wb") as file:
+            file.write(self.blob)
+        with open(os.path.join(folder, name + ".gltf"), "w", encoding="utf-8", newline="\n") as file:
+            json.dump(document, file, separators=(",", ":"))
+            file.write("\n")

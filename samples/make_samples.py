@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Writes the sample scenes: samples/<name>/<name>.gltf and .bin. Python 3.9 or newer, standard library only.
+
+usage: samples/make_samples.py [NAME ...] [--out DIR] [--reflectance R]
+
+Without names all samples are written. --out: another folder than this one. --reflectance: for furnace and sphere.
+The output is the same bytes each time.
+"""
+import argparse
+import math
+import os
+
+import rooms
+from gltf_writer import Gltf, facing, rectangle
+
+ONE_LM_PER_M2 = [1 / math.pi] * 3   # nits of a surface with exitance M = pi L = 1 lm/m2
+
+
+def cornell_box(_):
+    """The Cornell box: measured corners in millimetres (Cornell University Program of Graphics, "Cornell Box Data",
+    www.graphics.cornell.edu/online/box/data.html). The published lamp is a hole in the ceiling with the lamp in it; so the
+    ceiling is cut around it. Reflectances and the lamp's 17, 12, 4 are the published spectra as linear RGB in the values
+    of the Computer Graphics Archive (M. McGuire, casual-effects.com/data, CornellBox-Original); the lamp reflects 0.78.
+    The front is open, as published."""
+    gltf = Gltf()
+    white = gltf.material("white", (0.725, 0.71, 0.68))
+    green = gltf.material("green", (0.14, 0.45, 0.091))
+    red = gltf.material("red", (0.63, 0.065, 0.05))
+    lamp = gltf.material("lamp", (0.78, 0.78, 0.78), (17, 12, 4))
+
+    def metres(corners):
+        return [tuple(c / 1000 for c in p) for p in corners]
+
+    def wall(name, corners, direction, material):
+        gltf.piece(name, [facing(metres(c), direction) for c in corners], material)
+
+    wall("floor", [[(552.8, 0, 0), (0, 0, 0), (0, 0, 559.2), (549.6, 0, 559.2)]], (0, 1, 0), white)
+    top = 548.8
+    outer = [(556, top, 0), (556, top, 559.2), (0, top, 559.2), (0, top, 0)]
+    hole = [(343, top, 227), (343, top, 332), (213, top, 332), (213, top, 227)]
+    ring = [[outer[k], outer[(k + 1) % 4], hole[(k + 1) % 4], hole[k]] for k in range(4)]
+    wall("ceiling", ring, (0, -1, 0), white)
+    wall("lamp", [hole], (0, -1, 0), lamp)
+    wall("back_wall", [[(549.6, 0, 559.2), (0, 0, 559.2), (0, top, 559.2), (556, top, 559.2)]], (0, 0, -1), white)
+    wall("right_wall", [[(0, 0, 559.2), (0, 0, 0), (0, top, 0), (0, top, 559.2)]], (1, 0, 0), green)
+    wall("left_wall", [[(552.8, 0, 0), (549.6, 0, 559.2), (556, top, 559.2), (556, top, 0)]], (-1, 0, 0), red)
+
+    def block(name, roof, height):
+        centre = [sum(p[k] for p in roof) / 4 for k in range(2)]
+        faces = [facing(metres([(x, height, z) for x, z in roof]), (0, 1, 0))]
+        for (x0, z0), (x1, z1) in zip(roof, roof[1:] + roof[:1]):
+            away = ((x0 + x1) / 2 - centre[0], 0, (z0 + z1) / 2 - centre[1])
+            faces.append(facing(metres([(x0, 0, z0), (x1, 0, z1), (x1, height, z1), (x0, height, z0)]), away))
+        gltf.piece(name, faces, white)
+
+    block("short_block", [(130, 65), (82, 225), (240, 272), (290, 114)], 165)
+    block("tall_block", [(423, 247), (265, 296), (314, 456), (472, 406)], 330)
+    return gltf
+
+
+def furnace(options):
+    """A closed cube of 2 m seen from inside: every wall has M = 1 lm/m2 and the same reflectance."""
+    gltf = Gltf()
+    glow = gltf.material("glow", [options.reflectance] * 3, ONE_LM_PER_M2)
+    for axis, letter in enumerate("xyz"):
+        for sign in (-1, 1):
+            gltf.piece(f"wall_{'minus' if sign < 0 else 'plus'}_{letter}", [rectangle(axis, float(sign), (-1, -1), (1, 1), -sign)], glow)
+    return gltf
+
+
+def sphere(options):
+    """A closed sphere of radius 1 m seen from inside (an icosahedron divided three times, 1,280 triangles)."""
+    gltf = Gltf()
+    glow = gltf.material("glow", [options.reflectance] * 3, ONE_LM_PER_M2)
+    g = (1 + math.sqrt(5)) / 2
+    points = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
+              (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
+
+    def unit(p):
+        length = math.sqrt(sum(c * c for c in p))
+        return tuple(c / length for c in p)
+
+    points = [unit(p) for p in points]
+    edge = min(math.dist(points[0], p) for p in points[1:]) * 1.01
+    faces = [[points[a], points[b], points[c]] for a in range(12) for b in range(a + 1, 12) for c in range(b + 1, 12)
+             if max(math.dist(points[a], points[b]), math.dist(points[b], points[c]), math.dist(points[a], points[c])) < edge]
+
+    def middle(a, b):
+        return unit([(x + y) / 2 for x, y in zip(*sorted((a, b)))])
+
+    for _ in range(3):
+        faces = [f for a, b, c in faces for ab, bc, ca in [(middle(a, b), middle(b, c), middle(c, a))]
+                 for f in ([a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca])]
+    gltf.piece("sphere", [facing(f, [-sum(p[k] for p in f) for k in range(3)]) for f in faces], glow)
+    return gltf
+
+
+def two_squares(second):
+    """A unit square that emits M = 1 lm/m2 and reflects nothing, and a black one that receives."""
+    gltf = Gltf()
+    gltf.piece("sender", [rectangle(1, 0.0, (0, 0), (1, 1), 1)], gltf.material("sender", (0, 0, 0), ONE_LM_PER_M2))
+    gltf.piece("receiver", [second], gltf.material("receiver", (0, 0, 0)))
+    return gltf
+
+
+def two_rooms(_):
+    gltf = Gltf()
+    rooms.build(gltf, 2, 1, furnished=False, lit=lambda i, j: i == 0)
+    return gltf
+
+
+def corridor(columns, rows):
+    """Furnished rooms; about two of three have a lamp, and each lit room is next to others."""
+    gltf = Gltf()
+    rooms.build(gltf, columns, rows, furnished=True, lit=lambda i, j: (i + j) % 3 != 1)
+    return gltf
+
+
+SAMPLES = {
+    "cornell_box": cornell_box,
+    "furnace": furnace,
+    "sphere": sphere,
+    "two_squares_parallel": lambda _: two_squares(rectangle(1, 1.0, (0, 0), (1, 1), -1)),
+    "two_squares_perpendicular": lambda _: two_squares(rectangle(0, 0.0, (0, 0), (1, 1), 1)),
+    "two_rooms": two_rooms,
+    "corridor_4": lambda _: corridor(2, 2),
+    "corridor_16": lambda _: corridor(4, 4),
+    "corridor_64": lambda _: corridor(8, 8),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(SAMPLES))
+    parser.add_argument("--out", default=os.path.dirname(os.path.abspath(__file__)), metavar="DIR")
+    parser.add_argument("--reflectance", type=float, default=0.5, metavar="R", help="furnace and sphere, 0 to 1 (default 0.5)")
+    options = parser.parse_args()
+    unknown = [n for n in options.names if n not in SAMPLES]
+    if unknown:
+        parser.error(f"unknown sample {unknown[0]}; there are: {', '.join(SAMPLES)}")
+    for name in options.names or SAMPLES:
+        gltf = SAMPLES[name](options)
+        gltf.save(os.path.join(options.out, name), name)
+        print(f"{name}: {gltf.triangle_count()} triangles, {len(gltf.nodes)} nodes")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Compares baked lightmaps with path traced irradiance at randomly chosen texels.
+
+usage: reference.py SCENE BAKED.glb [--points 1000] [--spp 4096] [--out PREFIX] [--png-errormap FILE.png]
+
+Texels are drawn in proportion to the area they cover. The truth of a texel is the mean over the part of its square that
+the surface covers, without points that lie inside solids (most of their view is backs of surfaces). Geometry, materials
+and lamps come from SCENE, or from BAKED where SCENE is compressed; then `geometry` in the result says "baked".
+Prints JSON (and writes PREFIX.json, PREFIX.npz):
+  median, p95    of |b - t| / max(t, 1 % of the mean truth), luminance
+  relRMSE        root mean square of b - t over points and channels, relative to the mean truth
+  relRMSE_net    the same without the share that is the reference's own noise
+  bias, bias_se  mean b / mean t - 1, and its standard error from the reference
+  noise          root mean square standard error of the truth, relative to the mean truth
+  points, buried, area_ratio   compared texels; texels left out as inside solids; area of BAKED over area of SCENE
+"""
+import argparse
+import json
+import os
+import sys
+import time
+
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import gltf_scene   # noqa: E402
+import lightmap     # noqa: E402
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+PLACES = 64          # points of a texel
+BURIED_SHARE = 0.5   # a point is inside a solid when more of its view is backs
+
+
+def load_truth_scene(path, baked, metals):
+    try:
+        return gltf_scene.Scene(path, metals), "source"
+    except ValueError:
+        return baked, "baked"
+
+
+def keep_open_points(tracer, footprints, seed):
+    """Drops points inside solids; refills each texel's places from those that are left. Returns kept ones, number dropped."""
+    share = tracer.buried(np.concatenate([f.points for f in footprints]), np.concatenate([f.flat for f in footprints]), seed)
+    kept = []
+    for f, shares in zip(footprints, share.reshape(len(footprints), -1)):
+        good = np.nonzero(shares <= BURIED_SHARE)[0]
+        if len(good) == 0:
+            continue
+        again = good[np.arange(PLACES) % len(good)]
+        f.points, f.flat, f.normals = f.points[again], f.flat[again], f.normals[again]
+        kept.append(f)
+    return kept, len(footprints) - len(kept)
+
+
+def figures(baked, truth, error):
+    """The numbers of the head of this file; arrays (N, 3)."""
+    mean = truth.mean()
+    if mean <= 0:
+        return {"mean_truth": 0.0, "mean_baked": float(baked.mean()), "points": len(truth)}
+    b, t = baked @ LUMINANCE, truth @ LUMINANCE
+    relative = np.abs(b - t) / np.maximum(t, 0.01 * t.mean())
+    square, own = ((baked - truth) ** 2).mean(), (error ** 2).mean()
+    return {"median": float(np.median(relative)), "p95": float(np.quantile(relative, 0.95)),
+            "relRMSE": float(np.sqrt(square) / mean), "relRMSE_net": float(np.sqrt(max(square - own, 0)) / mean),
+            "bias": float(baked.mean() / mean - 1), "bias_se": float(np.sqrt((error.mean(1) ** 2).sum()) / len(truth) / mean),
+            "noise": float(np.sqrt(own) / mean), "mean_truth": float(mean), "mean_baked": float(baked.mean()),
+            "points": len(truth)}
+
+
+def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, metals="diffuse", normals="shading"):
+    """Returns the figures, and the arrays they come from."""
+    import pathtrace
+    baked_scene = gltf_scene.Scene(baked_path, metals)
+    maps = lightmap.Lightmaps(baked_scene, baked_path)
+    truth_scene, origin = load_truth_scene(scene_path, baked_scene, metals)
+    tracer = pathtrace.Tracer(truth_scene)
+    chosen, buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
+    baked = np.array([maps.value(f.page, f.x, f.y) for f in chosen])
+    flat = np.array([f.flat for f in chosen])
+    facing = np.array([f.normals for f in chosen]) if normals == "shading" else flat
+    truth, error = tracer.irradiance(np.array([f.points for f in chosen]), flat, facing, spp, seed)
+    result = {"scene": os.path.basename(scene_path), "baked": os.path.basename(baked_path), "geometry": origin, "spp": spp,
+              **figures(baked, truth, error), "buried": buried,
+              "area_ratio": float(baked_scene.areas.sum() / truth_scene.areas.sum()), "pages": maps.sources,
+              "bad_values": int(sum((~np.isfinite(p)).sum() for p in maps.pages))}
+    arrays = {"baked": baked, "truth": truth, "error": error, "page": np.array([f.page for f in chosen]),
+              "x": np.array([f.x for f in chosen]), "y": np.array([f.y for f in chosen]),
+              "position": np.array([f.points.mean(0) for f in chosen])}
+    return result, arrays, maps
+
+
+def error_map(path, maps, arrays, width=480):
+    """The pages in grey, each compared texel a dot: blue too dark, white right, red too bright; full colour at 20 %."""
+    from PIL import Image, ImageDraw
+    b, t = arrays["baked"] @ LUMINANCE, arrays["truth"] @ LUMINANCE
+    relative = (b - t) / np.maximum(t, 0.01 * max(t.mean(), 1e-300))
+    columns = int(np.ceil(np.sqrt(len(maps.pages))))
+    side = width // columns
+    lines = -(-len(maps.pages) // columns)
+    sheet = Image.new("RGB", (side * columns, side * lines), (0, 0, 0))
+    scale = np.quantile(np.concatenate([p @ LUMINANCE for p in map(lambda p: p.reshape(-1, 3), maps.pages)]), 0.98) or 1.0
+    for page, values in enumerate(maps.pages):
+        grey = (np.clip(values @ LUMINANCE / scale, 0, 1) ** 0.4545 * 140).astype(np.uint8)
+        left, top = page % columns * side, page // columns * side
+        sheet.paste(Image.fromarray(grey).resize((side, side)).convert("RGB"), (left, top))
+        draw = ImageDraw.Draw(sheet)
+        zoom = np.array([side / values.shape[1], side / values.shape[0]])
+        radius = 2
+        for k in np.nonzero(arrays["page"] == page)[0]:
+            share = float(np.clip(relative[k] / 0.2, -1, 1))
+            colour = (255, int(255 * (1 - share)), int(255 * (1 - share))) if share > 0 else \
+                (int(255 * (1 + share)), int(255 * (1 + share)), 255)
+            x, y = left + (arrays["x"][k] + 0.5) * zoom[0], top + (arrays["y"][k] + 0.5) * zoom[1]
+            draw.ellipse((x - radius, y - radius, x + radius, y + radius), fill=colour)
+    sheet.quantize(64).save(path, optimize=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene"), parser.add_argument("baked")
+    parser.add_argument("--points", type=int, default=1000)
+    parser.add_argument("--spp", type=int, default=4096, help="paths per texel")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", metavar="PREFIX", help="write PREFIX.json and PREFIX.npz")
+    parser.add_argument("--png-errormap", metavar="FILE")
+    parser.add_argument("--metals", choices=["diffuse", "black"], default="diffuse")
+    parser.add_argument("--normals", choices=["shading", "geometric"], default="shading", help="at the compared points")
+    options = parser.parse_args()
+    begin = time.time()
+    result, arrays, maps = compare(options.scene, options.baked, options.points, options.spp, options.seed, options.metals,
+                                   options.normals)
+    result["seconds"] = round(time.time() - begin, 1)
+    text = json.dumps(result, indent=1)
+    print(text)
+    if options.out:
+        with open(options.out + ".json", "w", encoding="utf-8") as file:
+            file.write(text + "\n")
+        np.savez_compressed(options.out + ".npz", **arrays)
+    if options.png_errormap:
+        error_map(options.png_errormap, maps, arrays)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,568 @@
+// Writing the baked model: what is added, and that everything else of the input survives.
+#include "formats/gltf/gltf_out.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <functional>
+
+#include "formats/base/file.h"
+#include "formats/gltf/gltf_in.h"
+#include "formats/gltf/gltf_primitive.h"
+
+namespace luxel {
+namespace {
+
+using nlohmann::json;
+
+/// A document put together array by array; its buffer is a data URI.
+class Model {
+  public:
+    json root = {{"asset", {{"version", "2.0"}, {"generator", "test tool"}}}};
+
+    template <class T>
+    std::size_t array(const char* type, int component, std::uint64_t components, const std::vector<T>& values,
+                      bool normalized = false, std::size_t stride = 0) {
+        while (body_.size() % 4) body_.push_back(0);
+        const std::size_t offset = body_.size(), element = components * sizeof(T), count = values.size() / components;
+        if (!stride) stride = element;
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto* first = reinterpret_cast<const std::uint8_t*>(values.data()) + k * element;
+            body_.insert(body_.end(), first, first + element);
+            body_.insert(body_.end(), stride - element, 0);
+        }
+        json view = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", body_.size() - offset}};
+        if (stride != element) view["byteStride"] = stride;
+        root["bufferViews"].push_back(view);
+        json accessor = {{"bufferView", root["bufferViews"].size() - 1},
+                         {"componentType", component},
+                         {"count", count},
+                         {"type", type}};
+        if (normalized) accessor["normalized"] = true;
+        root["accessors"].push_back(accessor);
+        return root["accessors"].size() - 1;
+    }
+    std::size_t floats(const char* type, std::uint64_t components, const std::vector<float>& values) {
+        return array(type, 5126, components, values);
+    }
+    std::size_t indices(const std::vector<std::uint16_t>& values) { return array("SCALAR", 5123, 1, values); }
+
+    /// A quad of two triangles over the unit square, as mesh with one primitive.
+    json quad(int material = 0) {
+        const std::size_t positions = floats("VEC3", 3, {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+        return {{"attributes", {{"POSITION", positions}}},
+                {"indices", indices({0, 1, 2, 0, 2, 3})},
+                {"material", material}};
+    }
+    void show(std::size_t mesh, const char* name) {
+        root["nodes"].push_back({{"mesh", mesh}, {"name", name}});
+        root["scenes"] = json::array({{{"nodes", json::array()}}});
+        for (std::size_t node = 0; node < root["nodes"].size(); ++node) root["scenes"][0]["nodes"].push_back(node);
+        root["scene"] = 0;
+    }
+    [[nodiscard]] GltfDocument parse(const std::filesystem::path& folder = {}) const {
+        json copy = root;
+        if (!body_.empty())
+            copy["buffers"] = json::array(
+                {{{"byteLength", body_.size()}, {"uri", "data:application/octet-stream;base64," + base64(body_)}}});
+        const std::string text = copy.dump();
+        return parse_gltf({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "test.gltf", folder);
+    }
+
+  private:
+    static std::string base64(const Bytes& bytes) {
+        constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        std::string text;
+        for (std::size_t k = 0; k < bytes.size(); k += 3) {
+            std::uint32_t bits = 0;
+            for (std::size_t j = 0; j < 3; ++j) bits = (bits << 8) | (k + j < bytes.size() ? bytes[k + j] : 0u);
+            for (std::size_t j = 0; j < 4; ++j)
+                text += k + j > bytes.size() ? '=' : digits[(bits >> (18 - 6 * j)) & 63];
+        }
+        return text;
+    }
+    Bytes body_;
+};
+
+const Bytes fake_png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n', 1, 2, 3};
+
+/// Every triangle on a place of its own, on page `page_of(triangle)`.
+template <class PageOf>
+PrimitiveLayout scattered(const PrimitiveRecord& primitive, const PageOf& page_of) {
+    PrimitiveLayout layout;
+    for (std::size_t t = 0; t < primitive.indices.size() / 3; ++t) {
+        layout.triangle_page.push_back(page_of(t));
+        for (std::size_t c = 0; c < 3; ++c)
+            layout.corner_uv.emplace_back(static_cast<float>(t + 1) / 64.0f, static_cast<float>(c + 1) / 8.0f);
+    }
+    return layout;
+}
+PrimitiveLayout scattered(const PrimitiveRecord& primitive) {
+    return scattered(primitive, [](std::size_t) { return 0u; });
+}
+
+/// All corners of one old vertex at the same place.
+PrimitiveLayout welded(const PrimitiveRecord& primitive, float shift = 0) {
+    PrimitiveLayout layout;
+    layout.triangle_page.assign(primitive.indices.size() / 3, 0);
+    for (const std::uint32_t vertex : primitive.indices)
+        layout.corner_uv.emplace_back(static_cast<float>(vertex) / 16.0f + shift, 0.25f);
+    return layout;
+}
+
+GltfLightmaps lightmaps(const SceneRecord& record, std::size_t pages = 1) {
+    GltfLightmaps maps;
+    for (std::size_t page = 0; page < pages; ++page)
+        maps.pages.push_back({"lightmap" + std::to_string(page), fake_png, 2.5 + static_cast<double>(page)});
+    maps.instances.resize(record.instances.size());
+    maps.version = "9.9.9";
+    return maps;
+}
+
+class GltfOut : public testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder = std::filesystem::path(testing::TempDir()) / ("luxel_gltf_out_" + std::string(test->name()));
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+    [[nodiscard]] std::size_t file_count() const {
+        std::size_t count = 0;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+            count += entry.is_regular_file();
+        return count;
+    }
+    GltfDocument write_and_load(const GltfDocument& document, const SceneRecord& record, const GltfLightmaps& maps) {
+        written = write_gltf(folder / "out.glb", document, record, maps);
+        return load_gltf(folder / "out.glb");
+    }
+    /// One layout kind for every primitive.
+    template <class Layout>
+    GltfDocument bake(const GltfDocument& document, const Layout& layout, std::size_t pages = 1) {
+        const SceneRecord record = read_scene(document);
+        GltfLightmaps maps = lightmaps(record, pages);
+        for (std::size_t k = 0; k < record.instances.size(); ++k)
+            for (const PrimitiveRecord& primitive :
+                 record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
+                maps.instances[k].push_back(layout(primitive));
+        return write_and_load(document, record, maps);
+    }
+    std::filesystem::path folder;
+    GltfWritten written;
+};
+
+/// The attribute of a primitive, corner by corner.
+Bytes corners(const PrimitiveArrays& arrays, const std::string& semantic) {
+    const AccessorBytes& elements = arrays.attributes.at(semantic);
+    const std::uint64_t step = elements.element_bytes();
+    Bytes out;
+    for (const std::uint32_t vertex : triangle_list(arrays.mode, arrays.indices)) {
+        const auto* first = elements.data.data() + vertex * step;
+        out.insert(out.end(), first, first + step);
+    }
+    return out;
+}
+
+Bytes bytes_of_uv(const PrimitiveLayout& layout) {
+    const ByteView view = bytes_of(layout.corner_uv);
+    return {view.begin(), view.end()};
+}
+
+const auto scatter = [](const PrimitiveRecord& primitive) { return scattered(primitive); };
+const auto weld = [](const PrimitiveRecord& primitive) { return welded(primitive); };
+
+TEST_F(GltfOut, KeepsEverythingElse) {
+    Model model;
+    model.root["materials"] = json::array({{{"name", "wall"}, {"extras", {{"tag", 7}}}, {"doubleSided", true}}});
+    model.root["meshes"] = json::array({{{"name", "Mesh"},
+                                         {"extras", "kept"},
+                                         {"weights", json::array()},
+                                         {"primitives", json::array({model.quad()})}}});
+    model.root["meshes"][0].erase("weights");
+    model.root["cameras"] = json::array({{{"type", "perspective"}, {"perspective", {{"yfov", 1.0}, {"znear", 0.1}}}}});
+    model.show(0, "node");
+    model.root["nodes"][0]["extras"] = {{"id", 3}};
+    model.root["nodes"].push_back({{"camera", 0}, {"name", "eye"}});
+    model.root["scenes"][0]["nodes"].push_back(1);
+    const std::size_t times = model.floats("SCALAR", 1, {0, 1}), moves = model.floats("VEC3", 3, {0, 0, 0, 5, 6, 7});
+    model.root["animations"] = json::array(
+        {{{"samplers", json::array({{{"input", times}, {"output", moves}}})},
+          {"channels", json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}})}}});
+    model.root["unknownMember"] = {1, 2, 3};
+    model.root["extensionsUsed"] = {"KHR_materials_unlit"};
+    model.root["asset"]["copyright"] = "somebody";
+    model.root["asset"]["extras"] = {{"other", 1}};
+    const GltfDocument document = model.parse();
+    const GltfDocument out = bake(document, scatter);
+
+    for (const char* key : {"cameras", "nodes", "scenes", "scene", "unknownMember"})
+        EXPECT_EQ(out.json[key], document.json[key]) << key;
+    EXPECT_EQ(out.json["materials"][0], document.json["materials"][0]);
+    EXPECT_EQ(out.json["meshes"][0]["name"], "Mesh");
+    EXPECT_EQ(out.json["meshes"][0]["extras"], "kept");
+    EXPECT_EQ(out.json["asset"]["generator"], "test tool");
+    EXPECT_EQ(out.json["asset"]["copyright"], "somebody");
+    EXPECT_EQ(out.json["asset"]["extras"]["other"], 1);
+    EXPECT_EQ(out.json["asset"]["extras"]["luxel"]["version"], "9.9.9");
+    EXPECT_EQ(out.json["extensionsUsed"], (json{"KHR_materials_unlit", "MOZ_lightmap"}));
+    EXPECT_FALSE(out.json.contains("extensionsRequired"));
+    const json& sampler = out.json["animations"][0]["samplers"][0];
+    for (const auto& [key, old] : {std::pair{"input", times}, std::pair{"output", moves}})
+        EXPECT_EQ(read_elements(out, sampler[key].get<std::int64_t>(), "out").data,
+                  read_elements(document, static_cast<std::int64_t>(old), "in").data);
+
+    const json& clone = out.json["materials"][1];
+    EXPECT_EQ(clone["name"], "wall");
+    EXPECT_EQ(clone["doubleSided"], true);
+    EXPECT_EQ(clone["extras"]["tag"], 7);
+    const json& lightmap = clone["extensions"]["MOZ_lightmap"];
+    EXPECT_EQ(lightmap["texCoord"], 1);
+    EXPECT_EQ(lightmap["intensity"], 2.5);
+    EXPECT_EQ(lightmap["extras"], (json{{"quantity", "irradiance"}, {"unit", "lux"}, {"encoding", "srgb8"}}));
+    const json& image =
+        out.json["images"][out.json["textures"][lightmap["index"].get<std::size_t>()]["source"].get<std::size_t>()];
+    EXPECT_EQ(image["mimeType"], "image/png");
+    const ByteView png = out.view(image["bufferView"].get<std::int64_t>(), "png");
+    EXPECT_EQ(Bytes(png.begin(), png.end()), fake_png);
+}
+
+TEST_F(GltfOut, SplitsVerticesOnlyWhereTheLayoutIsCut) {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad()})}}});
+    model.show(0, "quad");
+    const GltfDocument document = model.parse();
+    const PrimitiveArrays before = read_primitive(document, 0, 0);
+    const PrimitiveRecord source = read_scene(document).meshes[0].primitives[0];
+
+    const PrimitiveArrays whole = read_primitive(bake(document, weld), 0, 0);
+    EXPECT_EQ(whole.vertex_count, 4u);
+    EXPECT_EQ(corners(whole, "POSITION"), corners(before, "POSITION"));
+    EXPECT_EQ(corners(whole, "TEXCOORD_1"), bytes_of_uv(welded(source)));
+
+    const GltfDocument out = bake(document, scatter);
+    const PrimitiveArrays cut = read_primitive(out, 0, 0);
+    EXPECT_EQ(cut.vertex_count, 6u);
+    EXPECT_EQ(corners(cut, "POSITION"), corners(before, "POSITION"));
+    EXPECT_EQ(corners(cut, "TEXCOORD_1"), bytes_of_uv(scattered(source)));
+    const json& position =
+        out.json["accessors"][out.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
+    EXPECT_EQ(position["min"], (json{0.0, 0.0, 0.0}));
+    EXPECT_EQ(position["max"], (json{1.0, 1.0, 0.0}));
+    EXPECT_TRUE(cut.attributes.contains("TEXCOORD_0")) << "sets are numbered without gaps";
+    for (const json& view : out.json["bufferViews"]) {
+        EXPECT_EQ(view["byteOffset"].get<int>() % 4, 0);
+        if (view.contains("byteStride")) {
+            EXPECT_EQ(view["byteStride"].get<int>() % 4, 0);
+        }
+    }
+}
+
+TEST_F(GltfOut, OnePrimitivePerPageAndNoSurfaceIsLost) {
+    Model model;
+    model.root["materials"] = json::array({{{"name", "m"}}});
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad(), model.quad(), model.quad()})}}});
+    model.show(0, "quads");
+    const GltfDocument document = model.parse();
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record, 2);
+    const auto& primitives = record.meshes[0].primitives;
+    maps.instances[0] = {scattered(primitives[0], [](std::size_t t) { return t == 0 ? 1u : 0u; }),
+                         scattered(primitives[1], [](std::size_t t) { return t == 0 ? no_page : 1u; }),
+                         scattered(primitives[2], [](std::size_t) { return no_page; })};
+    const GltfDocument out = write_and_load(document, record, maps);
+    const json& parts = out.json["meshes"][0]["primitives"];
+    ASSERT_EQ(parts.size(), 4u);
+    const auto page_name = [&](std::size_t part) -> std::string {
+        const json& material = out.json["materials"][parts[part]["material"].get<std::size_t>()];
+        if (!material.contains("extensions")) return "none";
+        return out.json["textures"][material["extensions"]["MOZ_lightmap"]["index"].get<std::size_t>()]["name"];
+    };
+    EXPECT_EQ(page_name(0), "lightmap0");
+    EXPECT_EQ(page_name(1), "lightmap1");
+    EXPECT_EQ(page_name(2), "lightmap1");
+    EXPECT_EQ(page_name(3), "none") << "a primitive without any place keeps its material";
+    EXPECT_EQ(parts[1]["material"], parts[2]["material"]) << "one clone per (material, page)";
+    EXPECT_EQ(out.json["materials"].size(), 3u);
+    EXPECT_EQ(read_primitive(out, 0, 0).indices.size(), 3u);
+    const PrimitiveArrays with_unplaced = read_primitive(out, 0, 2);
+    EXPECT_EQ(with_unplaced.indices.size(), 6u);
+    const Bytes uv = corners(with_unplaced, "TEXCOORD_1");
+    EXPECT_EQ(Bytes(uv.begin(), uv.begin() + 24), Bytes(24, 0)) << "unplaced triangles lie at coordinate 0";
+}
+
+TEST_F(GltfOut, SharedMeshIsCopiedPerNodeAndEqualArraysAreStoredOnce) {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    model.root["meshes"] = json::array({{{"name", "chair"}, {"primitives", json::array({model.quad()})}}});
+    model.show(0, "a");
+    model.show(0, "b");
+    model.root["nodes"].push_back({{"mesh", 0}, {"name", "outside the scene"}});
+    const GltfDocument document = model.parse();
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    ASSERT_EQ(record.instances.size(), 2u);
+    const PrimitiveRecord& primitive = record.meshes[0].primitives[0];
+    maps.instances = {{welded(primitive)}, {welded(primitive, 0.5f)}};
+    const GltfDocument out = write_and_load(document, record, maps);
+    ASSERT_EQ(out.json["meshes"].size(), 3u);
+    for (const json& mesh : out.json["meshes"]) EXPECT_EQ(mesh["name"], "chair");
+    EXPECT_EQ(out.json["nodes"][2]["mesh"], 0);
+    EXPECT_EQ(out.json["meshes"][0]["primitives"][0]["material"], 0) << "still shown as it was";
+    const json& a = out.json["meshes"][out.json["nodes"][0]["mesh"].get<std::size_t>()]["primitives"][0];
+    const json& b = out.json["meshes"][out.json["nodes"][1]["mesh"].get<std::size_t>()]["primitives"][0];
+    EXPECT_EQ(a["attributes"]["POSITION"], b["attributes"]["POSITION"]);
+    EXPECT_EQ(a["indices"], b["indices"]);
+    EXPECT_EQ(a["material"], b["material"]);
+    EXPECT_NE(a["attributes"]["TEXCOORD_1"], b["attributes"]["TEXCOORD_1"]);
+}
+
+TEST_F(GltfOut, EveryAttributeKeepsItsTypeAndValues) {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    json primitive = model.quad();
+    json& attributes = primitive["attributes"];
+    attributes["NORMAL"] = model.array<std::int8_t>("VEC3", 5120, 3, {0, 0, 127, 1, 2, 3, 4, 5, 6, 7, 8, 9}, true, 4);
+    attributes["TEXCOORD_0"] = model.array<std::uint16_t>("VEC2", 5123, 2, {0, 1, 2, 3, 4, 5, 6, 65535}, true);
+    attributes["JOINTS_0"] =
+        model.array<std::uint8_t>("VEC4", 5121, 4, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15});
+    attributes["WEIGHTS_0"] =
+        model.array<std::uint8_t>("VEC4", 5121, 4, {255, 0, 0, 0, 9, 9, 9, 228, 1, 2, 3, 249, 0, 0, 0, 255}, true);
+    attributes["COLOR_0"] = model.floats("VEC3", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1});
+    attributes["_CUSTOM"] = model.array<std::int16_t>("SCALAR", 5122, 1, {-5, 6, -7, 8});
+    attributes["_MATRIX"] = model.array<std::uint8_t>(
+        "MAT2", 5121, 8,
+        {1, 2, 0, 0, 3, 4, 0, 0, 5, 6, 0, 0, 7, 8, 0, 0, 9, 10, 0, 0, 11, 12, 0, 0, 13, 14, 0, 0, 15, 16, 0, 0});
+    const std::size_t lift = model.floats("VEC3", 3, {0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4});
+    primitive["targets"] = json::array({{{"POSITION", lift}}});
+    model.root["meshes"] = json::array(
+        {{{"primitives", json::array({primitive})}, {"weights", {0.5}}, {"extras", {{"targetNames", {"lift"}}}}}});
+    model.root["accessors"][primitive["attributes"]["COLOR_0"].get<std::size_t>()]["name"] = "colours";
+    model.show(0, "n");
+    const GltfDocument document = model.parse();
+    const PrimitiveArrays before = read_primitive(document, 0, 0);
+    const GltfDocument out = bake(document, scatter);
+    const PrimitiveArrays after = read_primitive(out, 0, 0);
+    for (const auto& [semantic, elements] : before.attributes) {
+        const AccessorBytes& now = after.attributes.at(semantic);
+        EXPECT_EQ(now.component, elements.component) << semantic;
+        EXPECT_EQ(now.type, elements.type) << semantic;
+        EXPECT_EQ(now.normalized, elements.normalized) << semantic;
+        EXPECT_EQ(corners(after, semantic), corners(before, semantic)) << semantic;
+    }
+    const json& mesh = out.json["meshes"][0];
+    EXPECT_EQ(mesh["weights"], json{0.5});
+    EXPECT_EQ(mesh["extras"]["targetNames"][0], "lift");
+    const auto color = mesh["primitives"][0]["attributes"]["COLOR_0"].get<std::size_t>();
+    EXPECT_EQ(out.json["accessors"][color]["name"], "colours");
+    PrimitiveArrays morphed_before = before, morphed_after = after;
+    morphed_before.attributes["POSITION"] = read_elements(document, static_cast<std::int64_t>(lift), "lift");
+    morphed_after.attributes["POSITION"] =
+        read_elements(out, mesh["primitives"][0]["targets"][0]["POSITION"].get<std::int64_t>(), "lift");
+    EXPECT_EQ(corners(morphed_after, "POSITION"), corners(morphed_before, "POSITION"));
+}
+
+TEST_F(GltfOut, AnOldSecondSetMovesAndItsTexturesFollow) {
+    Model model;
+    model.root["images"] = json::array({{{"uri", "data:image/png;base64,iVBORw0KGgo="}}});
+    model.root["textures"] = json::array({{{"source", 0}}});
+    const json detail = {{"index", 0}, {"texCoord", 1}};
+    model.root["materials"] =
+        json::array({{{"occlusionTexture", detail}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}},
+                     {{"extensions", {{"MOZ_lightmap", {{"index", 0}, {"texCoord", 1}, {"intensity", 9}}}}}}});
+    json primitive = model.quad();
+    const std::vector<float> old_uv{0, 0, 1, 0, 1, 1, 0, 1};
+    primitive["attributes"]["TEXCOORD_0"] = model.floats("VEC2", 2, old_uv);
+    primitive["attributes"]["TEXCOORD_1"] = model.floats("VEC2", 2, {9, 9, 8, 8, 7, 7, 6, 6});
+    json baked_before = primitive;
+    baked_before["material"] = 1;
+    model.root["meshes"] = json::array({{{"primitives", json::array({primitive, baked_before})}}});
+    model.show(0, "n");
+    const GltfDocument document = model.parse();
+    const GltfDocument out = bake(document, scatter);
+    const PrimitiveArrays before = read_primitive(document, 0, 0), after = read_primitive(out, 0, 0);
+    EXPECT_EQ(corners(after, "TEXCOORD_2"), corners(before, "TEXCOORD_1"));
+    EXPECT_EQ(corners(after, "TEXCOORD_0"), corners(before, "TEXCOORD_0"));
+    const auto material_of = [&](std::size_t p) {
+        return out.json["materials"][out.json["meshes"][0]["primitives"][p]["material"].get<std::size_t>()];
+    };
+    EXPECT_EQ(material_of(0)["occlusionTexture"]["texCoord"], 2);
+    EXPECT_FALSE(material_of(0)["pbrMetallicRoughness"]["baseColorTexture"].contains("texCoord"));
+    EXPECT_EQ(material_of(0)["extensions"]["MOZ_lightmap"]["texCoord"], 1);
+    EXPECT_EQ(out.json["materials"][0], document.json["materials"][0]);
+    const PrimitiveArrays rebaked = read_primitive(out, 0, 1);
+    EXPECT_FALSE(rebaked.attributes.contains("TEXCOORD_2")) << "an older lightmap's layout is replaced";
+    EXPECT_EQ(material_of(1)["extensions"]["MOZ_lightmap"]["intensity"], 2.5);
+}
+
+TEST_F(GltfOut, StripsFansAndUnindexedBecomeTriangles) {
+    Model model;
+    const std::size_t positions = model.floats("VEC3", 3, {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0});
+    model.root["meshes"] = json::array({{{"primitives", json::array()}}});
+    for (const int mode : {4, 5, 6, 1, 0})
+        model.root["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", positions}}}, {"mode", mode}});
+    model.show(0, "n");
+    const GltfDocument document = model.parse();
+    const GltfDocument out = bake(document, scatter);
+    for (std::int64_t p = 0; p < 3; ++p) {
+        const PrimitiveArrays after = read_primitive(out, 0, p);
+        EXPECT_EQ(after.mode, PrimitiveMode::triangles);
+        EXPECT_EQ(corners(after, "POSITION"), corners(read_primitive(document, 0, p), "POSITION"));
+    }
+    for (std::int64_t p = 3; p < 5; ++p) {
+        const PrimitiveArrays before = read_primitive(document, 0, p), after = read_primitive(out, 0, p);
+        EXPECT_EQ(after.mode, before.mode);
+        EXPECT_EQ(after.attributes.at("POSITION").data, before.attributes.at("POSITION").data);
+        EXPECT_EQ(after.indices, before.indices);
+    }
+}
+
+TEST_F(GltfOut, UnusedArraysGoUnlessAnUnknownExtensionMightNameThem) {
+    Model model;
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad(-1)})}}});
+    model.root["meshes"][0]["primitives"][0].erase("material");
+    model.show(0, "n");
+    const std::size_t unused_in_the_input = model.floats("SCALAR", 1, {4, 5, 6});
+    const GltfDocument out = bake(model.parse(), weld);
+    EXPECT_EQ(out.json["accessors"].size(), 4u) << "position, lightmap, indices, and what nothing used before";
+    EXPECT_EQ(read_elements(out, 0, "kept").data,
+              read_elements(model.parse(), static_cast<std::int64_t>(unused_in_the_input), "in").data);
+
+    model.root["extensionsUsed"] = {"ACME_thing"};
+    model.root["extensions"] = {{"ACME_thing", {{"accessor", 1}}}};
+    const GltfDocument careful = bake(model.parse(), weld);
+    EXPECT_EQ(careful.json["accessors"].size(), 6u);
+    EXPECT_EQ(read_elements(careful, 1, "kept").data, read_elements(model.parse(), 1, "in").data);
+    ASSERT_EQ(written.warnings.size(), 1u);
+    EXPECT_EQ(written.warnings[0].code, "unused-arrays-kept");
+}
+
+TEST_F(GltfOut, VariantsGetClonesToo) {
+    Model model;
+    model.root["materials"] = json::array({{{"name", "day"}}, {{"name", "night"}}});
+    json primitive = model.quad();
+    primitive["extensions"] = {
+        {"KHR_materials_variants", {{"mappings", json::array({{{"material", 1}, {"variants", {0}}}})}}}};
+    model.root["meshes"] = json::array({{{"primitives", json::array({primitive})}}});
+    model.show(0, "n");
+    const GltfDocument out = bake(model.parse(), scatter);
+    const json& baked = out.json["meshes"][0]["primitives"][0];
+    const json& night =
+        out.json["materials"]
+                [baked["extensions"]["KHR_materials_variants"]["mappings"][0]["material"].get<std::size_t>()];
+    EXPECT_EQ(night["name"], "night");
+    EXPECT_TRUE(night["extensions"].contains("MOZ_lightmap"));
+}
+
+TEST_F(GltfOut, PicturesOutsideAreTakenAlong) {
+    Model model;
+    std::filesystem::create_directories(folder / "in" / "tex");
+    publish_file(folder / "in" / "tex" / "a b.png", fake_png);
+    model.root["images"] = json::array({{{"uri", "tex/a%20b.png"}}, {{"uri", "missing.png"}}});
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad(-1)})}}});
+    model.root["meshes"][0]["primitives"][0].erase("material");
+    model.show(0, "n");
+    const GltfDocument document = model.parse(folder / "in");
+    const GltfDocument out = bake(document, weld);
+    EXPECT_FALSE(out.json["images"][0].contains("uri"));
+    const ByteView inside = out.view(out.json["images"][0]["bufferView"].get<std::int64_t>(), "image");
+    EXPECT_EQ(Bytes(inside.begin(), inside.end()), fake_png);
+    EXPECT_EQ(out.json["images"][1]["uri"], "missing.png");
+    ASSERT_EQ(written.warnings.size(), 1u);
+    EXPECT_EQ(written.warnings[0].code, "picture-left-behind");
+
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    std::filesystem::create_directories(folder / "text");
+    written = write_gltf(folder / "text" / "out.gltf", document, record, maps);
+    EXPECT_EQ(written.files.size(), 4u) << "model, lightmap, picture, .bin";
+    const GltfDocument text = load_gltf(folder / "text" / "out.gltf");
+    for (const std::size_t image : {0u, 2u})
+        EXPECT_EQ(read_uri(text, text.json["images"][image]["uri"].get<std::string>(), "image"), fake_png);
+    EXPECT_EQ(corners(read_primitive(text, 0, 0), "POSITION"), corners(read_primitive(document, 0, 0), "POSITION"));
+}
+
+TEST_F(GltfOut, FilesOfTheInputSurvive) {
+    Model model;
+    publish_file(folder / "out.bin", Bytes(48, 7));
+    model.root["buffers"] = json::array({{{"uri", "out.bin"}, {"byteLength", 48}}});
+    model.root["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", 36}}});
+    model.root["accessors"] =
+        json::array({{{"bufferView", 0}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}}});
+    model.root["meshes"] = json::array({{{"primitives", json::array({{{"attributes", {{"POSITION", 0}}}}})}}});
+    model.show(0, "n");
+    const GltfDocument document = model.parse(folder);
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    write_gltf(folder / "out.gltf", document, record, maps);
+    EXPECT_EQ(read_file(folder / "out.bin"), Bytes(48, 7));
+    EXPECT_EQ(load_gltf(folder / "out.gltf").json["buffers"][0]["uri"], "out.baked.bin");
+}
+
+TEST_F(GltfOut, SameBytesTwice) {
+    Model model;
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad(-1)})}}});
+    model.root["meshes"][0]["primitives"][0].erase("material");
+    model.show(0, "n");
+    bake(model.parse(), scatter);
+    const Bytes first = read_file(folder / "out.glb");
+    bake(model.parse(), scatter);
+    EXPECT_EQ(first, read_file(folder / "out.glb"));
+}
+
+ErrorCode code_of(const std::function<void()>& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.code;
+    }
+    return ErrorCode{};
+}
+
+TEST_F(GltfOut, FailuresLeaveNothingBehind) {
+    Model model;
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad(-1)})}}});
+    model.root["meshes"][0]["primitives"][0].erase("material");
+    model.show(0, "n");
+    const GltfDocument document = model.parse();
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    std::filesystem::create_directories(folder / "taken.glb");
+    std::filesystem::create_directories(folder / "full.bin");
+    const auto write = [&](const char* name) {
+        return code_of([&] { write_gltf(folder / name, document, record, maps); });
+    };
+    EXPECT_EQ(write("taken.glb"), ErrorCode::cannot_write);
+    EXPECT_EQ(write("missing/out.glb"), ErrorCode::cannot_write);
+    EXPECT_EQ(write("full.gltf"), ErrorCode::cannot_write) << "a folder in the place of the .bin";
+    EXPECT_EQ(file_count(), 0u);
+
+    // A disk that fills up: the system refuses bytes beyond a limit.
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit before{};
+    ::getrlimit(RLIMIT_FSIZE, &before);
+    rlimit small = before;
+    small.rlim_cur = 500;
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    const ErrorCode binary = write("out.glb"), text = write("out.gltf");
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(binary, ErrorCode::cannot_write);
+    EXPECT_EQ(text, ErrorCode::cannot_write);
+    EXPECT_EQ(file_count(), 0u);
+
+    maps.instances[0][0].triangle_page.pop_back();
+    EXPECT_EQ(write("out.glb"), ErrorCode::internal);
+    maps.instances[0].clear();
+    EXPECT_NO_THROW(write_gltf(folder / "out.glb", document, record, maps)) << "no layout: the node stays as it is";
+    EXPECT_EQ(file_count(), 1u);
+}
+
+}  // namespace
+}  // namespace luxel

@@ -1,0 +1,331 @@
+#include "baker/solver/shoot.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "baker/core/parallel.h"
+#include "formats/base/error.h"
+#include "tests/unit/solver/matrices.h"
+
+namespace luxel {
+namespace {
+
+using test::even_layout;
+using test::Matrix;
+using test::random_matrix;
+using test::RandomMatrix;
+
+SolveResult shoot(const Matrix& matrix, const std::vector<Rgb>& reflectance, const std::vector<Channels>& emission,
+                  double tolerance = 1e-3) {
+    MemoryBlocks blocks = matrix.blocks();
+    SolveOptions options;
+    options.tolerance = tolerance;
+    return solve_by_shooting(blocks, {reflectance, emission}, options);
+}
+
+std::vector<Rgb> grey(std::size_t count, float value) { return std::vector<Rgb>(count, Rgb(value, value, value)); }
+
+void expect_finite(const SolveResult& result) {
+    for (const auto* values : {&result.radiosity, &result.unshot, &result.irradiance})
+        for (const Channels& value : *values)
+            for (std::size_t c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(value[c]));
+    EXPECT_TRUE(std::isfinite(result.error_bound));
+}
+
+TEST(Shoot, FurnaceIsEmissionOverOneMinusReflectance) {
+    const Matrix matrix = random_matrix({.patches = 300, .chunk_patches = 64}, 1);
+    const std::vector<Channels> emission(matrix.count(), {1, 2, 3});
+    for (const double rho : {0.0, 0.5, 0.9, 0.99}) {
+        const auto reflectance = grey(matrix.count(), static_cast<float>(rho));
+        const SolveResult result = shoot(matrix, reflectance, emission, 1e-8);
+        ASSERT_TRUE(result.converged);
+        const double factor = 1 / (1 - static_cast<double>(reflectance[0].x));
+        for (const Channels& b : result.radiosity)
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(b[c] / (emission[0][c] * factor), 1.0, 1e-6);
+        std::printf("furnace rho %.2f: bound %.2g, %.1f reads\n", rho, result.error_bound, result.reads);
+    }
+}
+
+TEST(Shoot, AgreesWithDenseSolutionWithinItsBound) {
+    for (const float highest : {0.5f, 0.8f, 0.95f, 0.99f, 1.0f})
+        for (const bool closed : {false, true}) {
+            RandomMatrix want{.patches = 400, .chunk_patches = 50, .closed = closed, .rooms = 4};
+            const Matrix matrix = random_matrix(want, 7);
+            const auto reflectance = test::random_reflectance(matrix.count(), highest * 0.6f, highest, 3);
+            const auto emission = test::random_emission(matrix.count(), 4);
+            const SolveResult result = shoot(matrix, reflectance, emission);
+            const double error = test::true_error(matrix, reflectance, emission, result.radiosity);
+            EXPECT_TRUE(result.converged);
+            EXPECT_LE(result.error_bound, 1e-3);
+            EXPECT_LE(error, result.error_bound);
+            std::printf("rho <= %.2f %s: %.2f reads, bound %.2g, true %.2g, ratio %.1f\n", static_cast<double>(highest),
+                        closed ? "closed" : "open", result.reads, result.error_bound, error, result.error_bound / error);
+        }
+}
+
+TEST(Shoot, IrradianceAndRadiosityAgree) {
+    const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 30, .closed = false}, 2);
+    auto reflectance = test::random_reflectance(matrix.count(), 0.2f, 0.9f, 3);
+    reflectance[5] = {0, 0, 0};
+    const auto emission = test::random_emission(matrix.count(), 4);
+    const SolveResult result = shoot(matrix, reflectance, emission, 1e-9);
+    const Eigen::MatrixXd g = matrix.dense();
+    const Eigen::VectorXd b = test::exact_radiosity(matrix, reflectance, emission, 1);
+    for (std::size_t i = 0; i < matrix.count(); ++i) {
+        const double h = g.row(static_cast<Eigen::Index>(i)).dot(b) / matrix.area_m2[i];
+        EXPECT_NEAR(result.irradiance[i][1], h, 1e-6 * h);
+        EXPECT_NEAR(result.radiosity[i][1],
+                    emission[i][1] + static_cast<double>(reflectance[i].y) * result.irradiance[i][1], 1e-9);
+    }
+}
+
+TEST(Shoot, WhiteOpenSceneConverges) {
+    for (const std::size_t rooms : {std::size_t{1}, std::size_t{16}}) {
+        Matrix matrix = random_matrix({.patches = 320, .chunk_patches = 20, .rooms = rooms, .door = 1e-3}, 5);
+        // Closed but for a few patches of the last room.
+        for (std::size_t i = 310; i < 320; ++i) matrix.diagonal_m2[i] = -0.02 * matrix.area_m2[i];
+        const auto reflectance = grey(matrix.count(), 1.0f);
+        std::vector<Channels> emission(matrix.count(), {0, 0, 0});
+        emission[0] = {1, 1, 1};
+        const SolveResult result = shoot(matrix, reflectance, emission);
+        const double error = test::true_error(matrix, reflectance, emission, result.radiosity);
+        EXPECT_TRUE(result.converged);
+        EXPECT_LE(error, result.error_bound);
+        std::printf("white, %zu rooms, one opening: %.1f reads, bound %.2g, true %.2g\n", rooms, result.reads,
+                    result.error_bound, error);
+    }
+}
+
+TEST(Shoot, LightThatNeverEndsIsAnError) {
+    const Matrix matrix = random_matrix({.patches = 60, .chunk_patches = 20}, 5);
+    std::vector<Channels> emission(matrix.count(), {0, 0, 0});
+    emission[3] = {0, 1, 0};
+    try {
+        shoot(matrix, grey(matrix.count(), 1.0f), emission);
+        FAIL() << "no error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::bad_input);
+        EXPECT_NE(error.what_text.find("the light never ends"), std::string::npos);
+    }
+    // One patch that sees only itself.
+    const Matrix alone{even_layout(1, 1), {2.0}, {2.0}, {}};
+    EXPECT_THROW(shoot(alone, grey(1, 1.0f), {{1, 1, 1}}), Error);
+}
+
+TEST(Shoot, SealedWhiteRoomWithoutLampDoesNoHarm) {
+    // Two scenes that do not see each other: patches 0..39 lit and grey, 40..79 white and dark.
+    Matrix matrix = random_matrix({.patches = 80, .chunk_patches = 30, .rooms = 2, .door = 1e-30}, 8);
+    std::erase_if(matrix.pairs, [](const ExchangePair& pair) { return (pair.i < 40) != (pair.j < 40); });
+    auto reflectance = grey(80, 0.7f);
+    for (std::size_t i = 40; i < 80; ++i) reflectance[i] = {1, 1, 1};
+    std::vector<Channels> emission(80, {0, 0, 0});
+    emission[1] = {5, 5, 5};
+    const SolveResult result = shoot(matrix, reflectance, emission);
+    EXPECT_TRUE(result.converged);
+    for (std::size_t i = 0; i < 80; ++i) EXPECT_EQ(result.radiosity[i][0] > 0, i < 40);
+}
+
+TEST(Shoot, LongRowsDoNotBreakTheBound) {
+    // Rows 2 % longer than their area, reflectance 0.9: still below 1, but not what reflectances alone would allow.
+    Matrix matrix = random_matrix({.patches = 120, .chunk_patches = 40}, 9);
+    for (std::size_t i = 0; i < matrix.count(); ++i) matrix.diagonal_m2[i] += 0.02 * matrix.area_m2[i];
+    const auto emission = test::random_emission(matrix.count(), 4);
+    for (const float rho : {0.9f, 0.975f}) {
+        const auto reflectance = grey(matrix.count(), rho);
+        const SolveResult result = shoot(matrix, reflectance, emission);
+        EXPECT_TRUE(result.converged);
+        EXPECT_LE(test::true_error(matrix, reflectance, emission, result.radiosity), result.error_bound);
+    }
+    // Rounding: rows too long by one part in ten million, nearly white.
+    Matrix rounded = random_matrix({.patches = 120, .chunk_patches = 40}, 10);
+    for (std::size_t i = 0; i < rounded.count(); ++i) rounded.diagonal_m2[i] += 1e-7 * rounded.area_m2[i];
+    const auto reflectance = grey(rounded.count(), 0.999f);
+    const SolveResult result = shoot(rounded, reflectance, emission);
+    EXPECT_TRUE(result.converged);
+    EXPECT_LE(test::true_error(rounded, reflectance, emission, result.radiosity), result.error_bound);
+}
+
+TEST(Shoot, NegativeDiagonalIsExact) {
+    Matrix matrix = random_matrix({.patches = 90, .chunk_patches = 30}, 11);
+    for (std::size_t i = 0; i < matrix.count(); i += 2) matrix.diagonal_m2[i] = -0.05 * matrix.area_m2[i];
+    const auto reflectance = test::random_reflectance(matrix.count(), 0.3f, 0.99f, 3);
+    const auto emission = test::random_emission(matrix.count(), 4);
+    const SolveResult result = shoot(matrix, reflectance, emission, 1e-9);
+    EXPECT_LE(test::true_error(matrix, reflectance, emission, result.radiosity), 1e-9);
+}
+
+TEST(Shoot, SmallestScenes) {
+    const Matrix none{ChunkLayout{}, {}, {}, {}};
+    const SolveResult empty = shoot(none, {}, {});
+    EXPECT_TRUE(empty.converged);
+    EXPECT_TRUE(empty.radiosity.empty());
+
+    const Matrix alone{even_layout(1, 1), {2.0}, {0.0}, {}};
+    const SolveResult one = shoot(alone, grey(1, 0.5f), {{1, 2, 3}});
+    EXPECT_TRUE(one.converged);
+    EXPECT_EQ(one.radiosity[0], (Channels{1, 2, 3}));
+    EXPECT_EQ(one.reads, 0);
+
+    // Two patches that see each other and one that sees nothing, in the same chunk and in another.
+    for (const std::size_t chunk_patches : {3u, 2u, 1u}) {
+        const Matrix three{even_layout(3, chunk_patches), {1, 1, 1}, {0, 0, 0}, {{0, 1, 0.5f}}};
+        const SolveResult result = shoot(three, grey(3, 0.5f), {{1, 1, 1}, {0, 0, 0}, {7, 7, 7}}, 1e-10);
+        EXPECT_TRUE(result.converged);
+        EXPECT_NEAR(result.radiosity[0][0], 1 / (1 - 0.0625), 1e-9);
+        EXPECT_NEAR(result.radiosity[1][0], 0.25 / (1 - 0.0625), 1e-9);
+        EXPECT_EQ(result.radiosity[2][0], 7);
+    }
+}
+
+TEST(Shoot, NoLightOrNoReflectionReadsNothing) {
+    const Matrix matrix = random_matrix({.patches = 60, .chunk_patches = 20}, 5);
+    const SolveResult dark = shoot(matrix, grey(60, 1.0f), std::vector<Channels>(60, {0, 0, 0}));
+    EXPECT_TRUE(dark.converged);
+    EXPECT_EQ(dark.reads, 0);
+    EXPECT_EQ(dark.error_bound, 0);
+    EXPECT_EQ(dark.radiosity[7], (Channels{0, 0, 0}));
+    const auto emission = test::random_emission(60, 4);
+    const SolveResult black = shoot(matrix, grey(60, 0.0f), emission);
+    EXPECT_TRUE(black.converged);
+    EXPECT_EQ(black.reads, 0);
+    EXPECT_EQ(black.radiosity, emission);
+}
+
+TEST(Shoot, ExtremeBrightnessChangesNothing) {
+    const Matrix matrix = random_matrix({.patches = 100, .chunk_patches = 30, .closed = false}, 5);
+    const auto reflectance = test::random_reflectance(100, 0.1f, 0.95f, 3);
+    const auto emission = test::random_emission(100, 4);
+    const SolveResult plain = shoot(matrix, reflectance, emission);
+    for (const double factor : {1e-30, 1e30, 1e-300}) {
+        auto scaled = emission;
+        for (Channels& m : scaled)
+            for (double& value : m) value *= factor;
+        const SolveResult result = shoot(matrix, reflectance, scaled);
+        expect_finite(result);
+        for (std::size_t i = 0; i < 100; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                EXPECT_NEAR(result.radiosity[i][c] / factor, plain.radiosity[i][c], 1e-6 * plain.radiosity[i][c]);
+    }
+    // Bright and faint lamps in one scene.
+    auto mixed = emission;
+    mixed[0] = {1e30, 1e30, 1e30};
+    mixed[1] = {1e-30, 1e-30, 1e-30};
+    expect_finite(shoot(matrix, reflectance, mixed));
+}
+
+TEST(Shoot, AreasOverTwelveOrdersOfMagnitude) {
+    for (const bool closed : {true, false}) {
+        const Matrix matrix =
+            random_matrix({.patches = 150, .chunk_patches = 40, .area_decades = 12, .closed = closed}, 6);
+        const auto reflectance = test::random_reflectance(150, 0.1f, 0.95f, 3);
+        std::vector<Channels> emission(150, {1, 1, 1});
+        const SolveResult result = shoot(matrix, reflectance, emission);
+        expect_finite(result);
+        EXPECT_TRUE(result.converged);
+        EXPECT_LE(test::true_error(matrix, reflectance, emission, result.radiosity), result.error_bound);
+    }
+}
+
+TEST(Shoot, SameBitsForAnyNumberOfThreads) {
+    const Matrix matrix = random_matrix({.patches = 900, .chunk_patches = 450, .density = 0.9, .closed = false}, 6);
+    for (const float highest : {0.9f, 1.0f}) {
+        const auto reflectance = test::random_reflectance(900, 0.1f, highest, 3);
+        const auto emission = test::random_emission(900, 4);
+        std::vector<SolveResult> results;
+        for (const unsigned threads : {1u, 2u, 5u}) {
+            const ThreadLimit limit(threads);
+            results.push_back(shoot(matrix, reflectance, emission));
+        }
+        for (const SolveResult& result : results) {
+            EXPECT_EQ(result.radiosity, results[0].radiosity);
+            EXPECT_EQ(result.unshot, results[0].unshot);
+            EXPECT_EQ(result.error_bound, results[0].error_bound);
+        }
+    }
+}
+
+TEST(Shoot, ChunkLayoutsAgree) {
+    Matrix matrix = random_matrix({.patches = 256, .chunk_patches = 256, .closed = false, .rooms = 4}, 6);
+    const auto reflectance = test::random_reflectance(256, 0.1f, 0.9f, 3);
+    const auto emission = test::random_emission(256, 4);
+    const SolveResult whole = shoot(matrix, reflectance, emission, 1e-7);
+    for (const std::size_t chunk_patches : {1u, 7u, 64u, 200u}) {
+        matrix.layout = even_layout(256, chunk_patches);
+        const SolveResult result = shoot(matrix, reflectance, emission, 1e-7);
+        EXPECT_TRUE(result.converged);
+        for (std::size_t i = 0; i < 256; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
+                EXPECT_NEAR(result.radiosity[i][c], whole.radiosity[i][c], 1e-5 * whole.radiosity[i][c]);
+    }
+}
+
+/// Loads nothing from the "disk" the second time: what is cached.
+class CachedBlocks final : public BlockSource {
+  public:
+    explicit CachedBlocks(BlockSource& source) : source_(source) {}
+    const ChunkLayout& layout() const override { return source_.layout(); }
+    std::span<const double> area_m2() const override { return source_.area_m2(); }
+    std::span<const double> diagonal_m2() const override { return source_.diagonal_m2(); }
+    std::span<const BlockInfo> blocks() const override { return source_.blocks(); }
+    void load(std::size_t index, Block& out) override { source_.load(index, out); }
+    std::uint64_t bytes_read() const override { return 0; }
+
+  private:
+    BlockSource& source_;
+};
+
+TEST(Shoot, WhatIsCachedChangesNothing) {
+    const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 20, .closed = false, .rooms = 5}, 6);
+    const auto reflectance = test::random_reflectance(200, 0.1f, 0.9f, 3);
+    const auto emission = test::random_emission(200, 4);
+    SolveOptions options;
+    options.tolerance = 1e-12;
+    options.max_reads = 3;  // not enough: the limit must not depend on the cache either
+    MemoryBlocks blocks = matrix.blocks();
+    const SolveResult plain = solve_by_shooting(blocks, {reflectance, emission}, options);
+    CachedBlocks cached(blocks);
+    const SolveResult other = solve_by_shooting(cached, {reflectance, emission}, options);
+    EXPECT_FALSE(plain.converged);
+    EXPECT_LE(plain.reads, 3.0);
+    EXPECT_EQ(plain.radiosity, other.radiosity);
+    EXPECT_EQ(other.reads, 0);
+    // Stopped early, the bound still holds.
+    EXPECT_LE(test::true_error(matrix, reflectance, emission, plain.radiosity), plain.error_bound);
+}
+
+TEST(Shoot, HistoryFallsAndIsThinned) {
+    const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 2, .density = 0.3, .closed = false}, 6);
+    const auto reflectance = test::random_reflectance(200, 0.8f, 0.97f, 3);
+    const auto emission = test::random_emission(200, 4);
+    MemoryBlocks blocks = matrix.blocks();
+    SolveOptions options;
+    options.tolerance = 1e-9;
+    std::size_t calls = 0;
+    options.progress = [&](std::uint64_t, double) { ++calls; };
+    const SolveResult result = solve_by_shooting(blocks, {reflectance, emission}, options);
+    EXPECT_GT(calls, 1000u);
+    EXPECT_LE(result.history.size(), 1000u);
+    EXPECT_GE(result.history.size(), 400u);
+    EXPECT_EQ(result.history.back().error_bound, result.error_bound);
+    EXPECT_EQ(result.history.back().bytes_read, blocks.bytes_read());
+    for (std::size_t i = 1; i < result.history.size(); ++i)
+        EXPECT_GE(result.history[i].bytes_read, result.history[i - 1].bytes_read);
+}
+
+TEST(Shoot, BadInputIsNamed) {
+    const Matrix matrix = random_matrix({.patches = 10, .chunk_patches = 5}, 5);
+    const std::vector<Channels> light(10, {1, 1, 1});
+    auto reflectance = grey(10, 0.5f);
+    reflectance[4].y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_THROW(shoot(matrix, reflectance, light), Error);
+    auto emission = light;
+    emission[2][1] = -1;
+    EXPECT_THROW(shoot(matrix, grey(10, 0.5f), emission), Error);
+    EXPECT_THROW(shoot(matrix, grey(9, 0.5f), light), Error);
+}
+
+}  // namespace
+}  // namespace luxel

@@ -1,0 +1,188 @@
+#include "tools/luxel/bake_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
+#include <bit>
+#include <memory>
+
+#include "baker/bake/bake.h"
+#include "formats/base/file.h"
+#include "tools/luxel/progress_printer.h"
+#include "tools/luxel/report_json.h"
+
+namespace luxel {
+namespace {
+
+/// What --quality stands for; each number can be set by its own option.
+struct Preset {
+    const char* name;
+    std::uint64_t rays;
+    std::uint32_t gather_rays, lamp_points;
+    double tolerance;
+};
+constexpr std::array<Preset, 3> presets{{{"draft", 256, 0, 4, 1e-2}, {"medium", 1024, 256, 4, 1e-3}, {"high", 4096, 1024, 16, 1e-4}}};
+
+struct Arguments {
+    std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
+                                encoding = "srgb8";
+    double texels_per_metre = 0, tolerance = 0;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0;
+    std::uint64_t rays = 0, seed = 0;
+    unsigned threads = 0;
+    bool quiet = false;
+};
+
+/// "256M" -> bytes. Suffixes K, M, G are powers of 1024.
+std::uint64_t parse_bytes(const std::string& text) {
+    const auto refuse = [&] {
+        return Error(ErrorCode::usage, "--memory", "expected a size such as 512M or 4G, found \"" + text + "\"");
+    };
+    std::size_t digits = 0;
+    while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
+    if (digits == 0 || digits > 12 || text.size() > digits + 1) throw refuse();
+    std::uint64_t bytes = std::stoull(text.substr(0, digits));
+    if (text.size() == digits + 1) switch (text[digits]) {
+            case 'K': case 'k': bytes <<= 10; break;
+            case 'M': case 'm': bytes <<= 20; break;
+            case 'G': case 'g': bytes <<= 30; break;
+            default: throw refuse();
+        }
+    return bytes;
+}
+
+BakeOptions resolve(const Arguments& a, const CLI::App& command) {
+    BakeOptions o;
+    const auto given = [&](const char* name) { return command.count(name) > 0; };
+    for (const Preset& preset : presets)
+        if (a.quality == preset.name) {
+            o.rays = given("--rays") ? a.rays : preset.rays;
+            o.gather_rays = given("--gather-rays") ? a.gather_rays : preset.gather_rays;
+            o.lamp_points = preset.lamp_points;
+            o.tolerance = given("--tolerance") ? a.tolerance : preset.tolerance;
+        }
+    if (o.gather_rays && !std::has_single_bit(o.gather_rays))
+        throw Error(ErrorCode::usage, "--gather-rays", "expected 0 or a power of two, found " + std::to_string(o.gather_rays),
+                    "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.gather_rays)));
+    o.input = a.input;
+    o.output = a.output;
+    o.work = a.work;
+    o.unwrap.texels_per_metre = a.texels_per_metre;
+    o.unwrap.page_size = a.atlas_size;
+    o.unwrap.padding = a.padding;
+    o.unwrap.uv_mode = a.uv == "keep" ? UvMode::keep : UvMode::unwrap;
+    o.patch_texels = a.patch_texels;
+    o.chunk_patches = a.chunk_patches;
+    o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
+    o.encoding = parse_encoding(a.encoding);
+    o.seed = a.seed;
+    o.memory_bytes = parse_bytes(a.memory);
+    o.threads = a.threads;
+    o.software = "luxel " LUXEL_VERSION;
+    return o;
+}
+
+std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, const BakeOptions& o) {
+    return {{"input", a.input},
+            {"output", a.output},
+            {"quality", a.quality},
+            {"texels-per-metre", a.texels_per_metre > 0 ? fmt::format("{}", a.texels_per_metre) : "auto"},
+            {"atlas-size", std::to_string(o.unwrap.page_size)},
+            {"padding", std::to_string(o.unwrap.padding)},
+            {"uv", a.uv},
+            {"patch-texels", std::to_string(o.patch_texels)},
+            {"chunk-patches", std::to_string(o.chunk_patches)},
+            {"rays", std::to_string(o.rays)},
+            {"gather-rays", std::to_string(o.gather_rays)},
+            {"tolerance", fmt::format("{}", o.tolerance)},
+            {"interpolation", a.interpolation},
+            {"encoding", a.encoding},
+            {"seed", std::to_string(o.seed)},
+            {"memory", a.memory},
+            {"threads", std::to_string(o.threads)},
+            {"work", a.work}};
+}
+
+void print_summary(const BakeReport& report, const BakeOptions& options) {
+    double seconds = 0;
+    for (const StageReport& stage : report.stages) seconds += stage.seconds;
+    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; error bound {:.1e}; {:.1f} s, {} MB\n",
+               options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s",
+               report.patches, report.pairs, report.error_bound, seconds, report.peak_bytes >> 20);
+}
+
+int run(const Arguments& arguments, const CLI::App& command) {
+    BakeOptions options = resolve(arguments, command);
+    ProgressPrinter printer(arguments.quiet);
+    options.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
+        printer.update(stage, done, total, unit);
+    };
+    BakeReport report = bake(options);
+    printer.finish();
+    report.settings = settings(arguments, options);
+    for (const Warning& warning : report.warnings)
+        fmt::print(stderr, "luxel: warning: {}: {} [{}]\n", warning.where, warning.text, warning.code);
+    if (!arguments.report.empty()) {
+        const std::string text = report_json(report);
+        publish_file(arguments.report, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    }
+    if (!arguments.quiet) print_summary(report, options);
+    return report.converged ? 0 : static_cast<int>(ErrorCode::stopped_early);
+}
+
+void add_options(CLI::App& command, Arguments& a) {
+    command.add_option("input", a.input, "scene, .gltf or .glb")->required()->type_name("IN");
+    command.add_option("-o,--output", a.output, "result, .glb or .gltf")->required()->type_name("OUT");
+    command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
+        ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");
+    command.add_option("--rays", a.rays, "evidence rays per patch (256 / 1024 / 4096 by quality)")
+        ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{1} << 24))->group("Quality");
+    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 256 / 1024)")
+        ->check(CLI::Range(0u, 1u << 20))->group("Quality");
+    command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
+        ->check(CLI::Range(1e-12, 1.0))->group("Quality");
+    command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
+        ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
+    command.add_option("--interpolation", a.interpolation, "of drafts")
+        ->check(CLI::IsMember({"constant", "linear"}))->capture_default_str()->group("Quality");
+    command.add_option("--texels-per-metre", a.texels_per_metre, "density of the lightmap; 0: about half a page for the scene")
+        ->check(CLI::Range(0.0, 1e9))->capture_default_str()->group("Lightmap");
+    command.add_option("--atlas-size", a.atlas_size, "side of a page in texels")
+        ->check(CLI::Range(16u, 16384u))->capture_default_str()->group("Lightmap");
+    command.add_option("--padding", a.padding, "free texels around charts")
+        ->check(CLI::Range(0u, 64u))->capture_default_str()->group("Lightmap");
+    command.add_option("--uv", a.uv, "new charts, or keep the file's second UV set where it is fit")
+        ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
+        ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--memory", a.memory, "budget beside the scene's geometry, K/M/G")
+        ->capture_default_str()->group("Running");
+    command.add_option("--threads", a.threads, "0: all cores")
+        ->check(CLI::Range(0u, 1024u))->capture_default_str()->group("Running");
+    command.add_option("--chunk-patches", a.chunk_patches, "patches per chunk at most")
+        ->check(CLI::Range(16u, 65536u))->capture_default_str()->group("Running");
+    command.add_option("--seed", a.seed, "of all sample patterns")->capture_default_str()->group("Running");
+    command.add_option("--work", a.work, "bake folder: kept, and reused by the next run")->type_name("DIR")->group("Running");
+    command.add_option("--report", a.report, "write what was done as JSON")->type_name("FILE")->group("Running");
+    command.add_flag("-q,--quiet", a.quiet, "no progress, no summary")->group("Running");
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& program, int& exit_code) {
+    CLI::App* command = program.add_subcommand("bake", "Bake the light of a glTF scene into lightmaps");
+    const auto arguments = std::make_shared<Arguments>();
+    add_options(*command, *arguments);
+    command->footer(
+        "Examples:\n"
+        "  luxel bake hall.glb -o out/hall.glb\n"
+        "  luxel bake hall.glb -o out/hall.glb --quality draft --texels-per-metre 4\n"
+        "  luxel bake hall.glb -o out/hall.glb --quality high --work hall.bake --report hall.json\n"
+        "  luxel bake house.glb -o out/house.gltf --uv keep --atlas-size 2048\n"
+        "  luxel bake city.glb -o out/city.glb --memory 1G --threads 2\n");
+    command->callback([arguments, command, &exit_code] { exit_code = run(*arguments, *command); });
+}
+
+}  // namespace luxel

@@ -1,0 +1,47 @@
+#include "tools/luxel/report_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace luxel {
+
+std::string report_json(const BakeReport& r) {
+    using json = nlohmann::ordered_json;
+    json out;
+    out["schema"] = 1;
+    json& settings = out["settings"] = json::object();
+    for (const auto& [name, value] : r.settings) settings[name] = value;
+    out["counts"] = {{"triangles", r.triangles}, {"charts", r.charts},   {"pages", r.pages},   {"texels", r.texels},
+                     {"patches", r.patches},     {"chunks", r.chunks},   {"blocks", r.blocks}, {"pairs", r.pairs}};
+    out["atlas"] = {{"texels_per_metre", r.texels_per_metre}};
+    out["store"] = {{"bytes", r.store_bytes},
+                    {"bytes_per_pair", r.pairs ? static_cast<double>(r.store_bytes) / static_cast<double>(r.pairs) : 0}};
+    out["evidence"] = {
+        {"rays", r.evidence_rays},
+        {"rays_per_second", r.evidence_seconds > 0 ? static_cast<double>(r.evidence_rays) / r.evidence_seconds : 0},
+        {"rounds", r.evidence_rounds}};
+    out["closure"] = {{"iterations", r.closure_iterations},
+                      {"max_row_error_before", r.closure_row_error_before},
+                      {"max_row_error_after", r.closure_row_error_after}};
+    json history = json::array();
+    for (const auto& [bytes, bound] : r.history) history.push_back({{"bytes_read", bytes}, {"error_bound", bound}});
+    out["solve"] = {{"solver", r.solver}, {"reads", r.reads}, {"error_bound", r.error_bound}, {"converged", r.converged}, {"history", history}};
+    out["energy"] = {{"unit", "lm"}, {"emitted", r.emitted_lm}, {"absorbed", r.absorbed_lm}, {"lost", r.lost_lm}};
+    json& stages = out["stages"] = json::array();
+    for (const StageReport& s : r.stages)
+        stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peak_bytes}, {"reused", s.reused}});
+    out["memory"] = {{"budget_bytes", r.budget_bytes},
+                     {"peak_bytes", r.peak_bytes},
+                     {"geometry_bytes", r.geometry_bytes},
+                     {"floor_bytes", r.floor_bytes}};
+    json& warnings = out["warnings"] = json::array();
+    for (const Warning& w : r.warnings) warnings.push_back({{"code", w.code}, {"where", w.where}, {"text", w.text}});
+    json& skipped = out["skipped"] = json::array();
+    for (const auto& [part, why] : r.skipped) skipped.push_back({{"part", part}, {"why", why}});
+    json& outputs = out["outputs"] = json::array();
+    for (const OutputReport& o : r.outputs)
+        outputs.push_back({{"path", o.path}, {"kind", o.kind}, {"quantity", o.quantity}, {"unit", o.unit},
+                           {"encoding", o.encoding}, {"intensity", o.intensity}});
+    return out.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace luxel
