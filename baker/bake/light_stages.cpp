@@ -1,5 +1,7 @@
 #include "baker/bake/light_stages.h"
 
+#include <algorithm>
+
 #include "baker/bake/stage_files.h"
 #include "baker/light/gather.h"
 #include "baker/light/patch_irradiance.h"
@@ -11,9 +13,17 @@
 namespace luxel {
 namespace {
 
-std::vector<Rgb> reflectances(const PatchSet& patches) {
+/// Reflectance per patch. Exactly 1 is common (glTF's default colour) and would let light in a crack bounce for ever: that
+/// no way out exists is known only as well as the patch's rays can tell, so it is taken as 1 - 1 / (2 N).
+std::vector<Rgb> reflectances(const PatchSet& patches, const StripTallies& tallies) {
     std::vector<Rgb> values;
-    for (const Patch& patch : patches.patches) values.push_back(patch.reflectance);
+    for (std::size_t p = 0; p < patches.count(); ++p) {
+        const float most = 1 - 0.5f / static_cast<float>(std::max(tallies.rays[p], 1u));
+        Rgb value = patches.patches[p].reflectance;
+        for (int c = 0; c < 3; ++c)
+            if (value[c] >= 1) value[c] = most;
+        values.push_back(value);
+    }
     return values;
 }
 
@@ -64,7 +74,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
                        .number(options.tolerance)
                        .integer(options.lamp_points)
                        .finish();
-    const std::vector<Rgb> reflectance = reflectances(g.patches);
+    const std::vector<Rgb> reflectance = reflectances(g.patches, matrix.strips->tallies());
     const std::vector<Channels> emission = sources(g.patches, solution.lamp_irradiance);
     clock.stage("solve", [&] {
         const auto path = folder.solution(solution.key);

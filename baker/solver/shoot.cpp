@@ -25,7 +25,7 @@ constexpr double inner_share = 1e-3;
 constexpr double inner_tolerance_share = 0.1;
 constexpr std::uint32_t max_inner_iterations = 1000;
 /// Shots of so many whole reads that lower the bound by less than this factor are followed by a coarse step.
-constexpr double coarse_window_reads = 1;
+constexpr double coarse_window_reads = 1.5;
 constexpr double coarse_if_slower_than = 10;
 
 /// Sums over the patches of one chunk, lm in the solver's scale.
@@ -68,7 +68,8 @@ class Shooter {
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ChunkSums> sums_;
     Channels power_{0, 0, 0};  ///< sum A B
-    std::optional<CoarseSystem> coarse_;
+    std::optional<CoarseSystem> coarse_;  ///< and the shapes it is made for; only if shots alone are slow
+    std::vector<Channels> shape_;
     std::uint64_t window_start_bytes_ = 0;
     double window_start_bound_ = std::numeric_limits<double>::infinity();
 };
@@ -288,41 +289,40 @@ bool Shooter::is_slow(double bound) {
     return slow && sums_.size() > 1;
 }
 
-/// One read, for the first coarse step only: the model of exchange between chunks for an irradiance that is the same all
-/// over each chunk.
+/// One read, for the first coarse step only: the model of exchange between chunks. The shape of the irradiance inside a
+/// chunk is that of even light from outside together with all that the chunk itself makes of it, which is how light
+/// that stays for long looks like.
 void Shooter::read_coarse_system() {
     CoarseSystem& coarse = coarse_.emplace(transport_);
-    const auto reflected = [this](ChunkNumber chunk) {
-        std::vector<Lanes> lanes(transport_.size(chunk));
-        for (std::size_t i = 0; i < lanes.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c)
-                lanes[i].v[c] = transport_.scaled_reflectance(transport_.first(chunk) + static_cast<PatchNumber>(i))[c];
-        return lanes;
-    };
-    exchange_between_chunks(transport_, reflected,
-                            [&](std::size_t block, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
-                                coarse.set_coupling(block, x_a, y_a);
-                            });
+    shape_.assign(unshot_.size(), {0, 0, 0});
     parallel_for(sums_.size(), 1, [&](std::size_t k) {
         const auto chunk = static_cast<ChunkNumber>(k);
         Block diagonal;
         const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
         const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-        const std::vector<Lanes> ones(system.size(), Lanes{{1, 1, 1, 0}});
-        coarse.set_chunk(chunk, ones, apply_adjoint_inside(transport_, system, ones));
+        std::vector<Lanes> shape(system.size(), Lanes{{1, 1, 1, 0}});
+        solve_adjoint_rows(transport_, system, std::vector<Lanes>(system.size()), {.relative = 0.01}, shape);
+        coarse.set_chunk(chunk, shape, apply_adjoint_inside(transport_, system, shape));
+        for (std::size_t i = 0; i < shape.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) shape_[transport_.first(chunk) + i][c] = shape[i].v[c];
     });
+    exchange_between_chunks(
+        transport_, [this](ChunkNumber chunk) { return adjoint_source(transport_, shape_, chunk); },
+        [&](std::size_t block, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
+            coarse.set_coupling(block, x_a, y_a);
+        });
 }
 
 /// Sends, from all chunks in one read, the light that the coarse model says is still to come. Like any other light that is
 /// sent it is accounted for exactly, so a poor model costs a read and nothing else.
 void Shooter::coarse_step() {
     if (!coarse_) read_coarse_system();
-    std::vector<Channels> level(sums_.size(), {0, 0, 0});  // irradiance per chunk
+    std::vector<Channels> level(sums_.size(), {0, 0, 0});  // irradiance per chunk, in units of its shape
     for (std::size_t c = 0; c < 3; ++c) {
         std::vector<double> unshot_power(sums_.size(), 0.0);
         for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk)
             for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
-                unshot_power[chunk] += transport_.area_m2(i) * unshot_[i][c];
+                unshot_power[chunk] += transport_.area_m2(i) * shape_[i][c] * unshot_[i][c];
         const std::vector<double> solution = coarse_->solve(c, unshot_power);
         for (std::size_t chunk = 0; chunk < solution.size(); ++chunk) level[chunk][c] = solution[chunk];
     }
@@ -333,7 +333,8 @@ void Shooter::coarse_step() {
         const std::span<Lanes> lanes(sent.data() + first, transport_.size(chunk));
         for (std::size_t i = 0; i < lanes.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c)
-                lanes[i].v[c] = transport_.scaled_reflectance(first + static_cast<PatchNumber>(i))[c] * level[k][c];
+                lanes[i].v[c] = transport_.scaled_reflectance(first + static_cast<PatchNumber>(i))[c] *
+                                shape_[first + i][c] * level[k][c];
         take_from_unshot(chunk, lanes);
     });
     const auto sent_by = [&](ChunkNumber chunk) {
@@ -369,6 +370,7 @@ void Shooter::run(SolveResult& result) {
         if (is_slow(result.error_bound)) {
             if (static_cast<double>(transport_.requested_bytes() + 2 * total_bytes) > allowed_bytes) break;
             coarse_step();
+            window_start_bytes_ = transport_.requested_bytes();
             continue;
         }
         const ChunkNumber chunk = best_chunk();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace luxel {
 namespace {
@@ -75,6 +76,44 @@ std::array<std::vector<std::uint32_t>, 2> halves(const FlatChart& chart) {
     return result;
 }
 
+/// Texels of a page that the chart's rectangle takes, with a gap.
+double footprint(const FlatChart& chart, double texels_per_metre) {
+    const Vec2d extent = extent_of(chart) * texels_per_metre;
+    constexpr double gap = 2;
+    return (std::ceil(extent.x) + gap) * (std::ceil(extent.y) + gap);
+}
+
+struct Parts {
+    std::vector<FlatChart> charts;
+    double footprint = 0;
+};
+
+/// Hollow charts (frames, skirting boards, angles) are cut into parts where that saves much of a large rectangle.
+Parts compact_parts(const ObjectMesh& mesh, FlatChart chart, double texels_per_metre) {
+    constexpr double worth_a_cut = 1024;  // texels; below that a seam costs more than it saves
+    constexpr double full_enough = 0.5, saving_wanted = 0.6;
+    const double whole = footprint(chart, texels_per_metre);
+    double area = 0;
+    for (const auto& uv : chart.corner_uv) area += 0.5 * std::abs(signed_area2(uv));
+    Parts uncut;
+    uncut.footprint = whole;
+    if (chart.triangles.size() == 1 || whole < worth_a_cut ||
+        area * texels_per_metre * texels_per_metre > full_enough * whole) {
+        uncut.charts.push_back(std::move(chart));
+        return uncut;
+    }
+    Parts cut;
+    for (const auto& half : halves(chart))
+        for (const auto& set : edge_connected_sets(mesh, half)) {
+            Parts part = compact_parts(mesh, part_of(chart, set), texels_per_metre);
+            cut.footprint += part.footprint;
+            std::move(part.charts.begin(), part.charts.end(), std::back_inserter(cut.charts));
+        }
+    if (cut.footprint < saving_wanted * whole) return cut;
+    uncut.charts.push_back(std::move(chart));
+    return uncut;
+}
+
 void split_until_fit(const ObjectMesh& mesh, const FlatChart& chart, double texels_per_metre, std::uint32_t limit,
                      std::vector<TexelChart>& out) {
     if (chart.triangles.size() == 1 || fits(chart, texels_per_metre, limit)) {
@@ -90,15 +129,16 @@ void split_until_fit(const ObjectMesh& mesh, const FlatChart& chart, double texe
 
 bool fit_chart(const ObjectMesh& mesh, FlatChart chart, double texels_per_metre, std::uint32_t limit,
                std::vector<TexelChart>& out) {
-    if (fits(chart, texels_per_metre, limit)) {
-        append_texel_chart(chart, texels_per_metre, out);
-        return false;
+    bool any_smaller = false;
+    for (const FlatChart& part : compact_parts(mesh, std::move(chart), texels_per_metre).charts) {
+        double density = texels_per_metre;
+        if (!fits(part, density, limit)) {
+            const double largest = largest_triangle(part) * density;
+            if (largest > limit) density *= limit / largest, any_smaller = true;
+        }
+        split_until_fit(mesh, part, density, limit, out);
     }
-    const double largest = largest_triangle(chart) * texels_per_metre;
-    const bool smaller = largest > limit;
-    if (smaller) texels_per_metre *= limit / largest;
-    split_until_fit(mesh, chart, texels_per_metre, limit, out);
-    return smaller;
+    return any_smaller;
 }
 
 bool fit_chart_whole(FlatChart chart, double texels_per_metre, std::uint32_t limit, std::vector<TexelChart>& out) {

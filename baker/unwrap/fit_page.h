@@ -14,8 +14,9 @@ struct TexelChart {
     std::uint32_t width = 1, height = 1;
 };
 
-/// Appends the oriented chart at `texels_per_metre`. A chart wider or higher than `limit` texels is split between its
-/// triangles; if a single triangle is too large for that, everything is made smaller first.
+/// Appends the oriented chart at `texels_per_metre`, cut between its triangles where it is hollow and large (its
+/// rectangle would waste most of its texels) or wider or higher than `limit` texels. If a single triangle is too large
+/// for a page, everything is made smaller first.
 /// Returns true if it was made smaller: fewer texels per metre than asked for.
 bool fit_chart(const ObjectMesh& mesh, FlatChart chart, double texels_per_metre, std::uint32_t limit,
                std::vector<TexelChart>& out);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "baker/core/parallel.h"
+#include "baker/solver/history.h"
 #include "formats/base/error.h"
 #include "tests/unit/solver/matrices.h"
 
@@ -296,23 +297,34 @@ TEST(Shoot, WhatIsCachedChangesNothing) {
     EXPECT_LE(test::true_error(matrix, reflectance, emission, plain.radiosity), plain.error_bound);
 }
 
-TEST(Shoot, HistoryFallsAndIsThinned) {
-    const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 2, .density = 0.3, .closed = false}, 6);
+TEST(Shoot, HistoryEndsWithTheResult) {
+    const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 10, .density = 0.3, .closed = false}, 6);
     const auto reflectance = test::random_reflectance(200, 0.8f, 0.97f, 3);
     const auto emission = test::random_emission(200, 4);
     MemoryBlocks blocks = matrix.blocks();
     SolveOptions options;
-    options.tolerance = 1e-9;
     std::size_t calls = 0;
     options.progress = [&](std::uint64_t, double) { ++calls; };
     const SolveResult result = solve_by_shooting(blocks, {reflectance, emission}, options);
-    EXPECT_GT(calls, 1000u);
-    EXPECT_LE(result.history.size(), 1000u);
-    EXPECT_GE(result.history.size(), 400u);
+    EXPECT_EQ(calls, result.history.size());
+    EXPECT_EQ(result.history.front().bytes_read, 0u);
     EXPECT_EQ(result.history.back().error_bound, result.error_bound);
     EXPECT_EQ(result.history.back().bytes_read, blocks.bytes_read());
     for (std::size_t i = 1; i < result.history.size(); ++i)
         EXPECT_GE(result.history[i].bytes_read, result.history[i - 1].bytes_read);
+}
+
+TEST(History, KeepsFirstAndLastAndAtMostAThousand) {
+    for (const std::size_t steps : {1u, 999u, 1000u, 1001u, 2500u, 100000u}) {
+        History history;
+        for (std::size_t i = 0; i < steps; ++i) history.add({i, 1.0 / static_cast<double>(i + 1)});
+        const std::vector<SolveStep> kept = history.take();
+        EXPECT_LE(kept.size(), 1000u);
+        EXPECT_GE(kept.size(), std::min<std::size_t>(steps, 499));
+        EXPECT_EQ(kept.front().bytes_read, 0u);
+        EXPECT_EQ(kept.back().bytes_read, steps - 1);
+        for (std::size_t i = 1; i < kept.size(); ++i) EXPECT_GT(kept[i].bytes_read, kept[i - 1].bytes_read);
+    }
 }
 
 TEST(Shoot, BadInputIsNamed) {

@@ -1,0 +1,361 @@
+"""The program as its user meets it: options, messages, exit codes, and what it leaves on the disk.
+
+usage: cli_test.py LUXEL [unittest arguments]
+"""
+import json
+import os
+import re
+import resource
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
+FURNACE = os.path.join(SAMPLES, "furnace", "furnace.gltf")
+SMALL = ["--quality", "draft", "--texels-per-metre", "4", "--atlas-size", "64", "--rays", "64"]
+USAGE, BAD_INPUT, CANNOT_WRITE, DAMAGED_STORE, BUDGET_TOO_SMALL = 1, 2, 4, 5, 7
+LUXEL = None
+
+
+def run(*arguments, limit_file_bytes=None):
+    def limit():
+        if limit_file_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit_file_bytes, limit_file_bytes))
+
+    # Python ignores SIGXFSZ; not restoring it makes the child see EFBIG instead of dying, as on a full disk.
+    return subprocess.run([LUXEL, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          errors="replace", timeout=120, restore_signals=limit_file_bytes is None, preexec_fn=limit)
+
+
+def files_below(folder):
+    return sorted(os.path.relpath(os.path.join(where, name), folder)
+                  for where, _, names in os.walk(folder) for name in names)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="luxel-cli-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.out = os.path.join(self.folder, "out")
+        self.output = os.path.join(self.out, "scene.glb")
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def bake(self, *arguments, source=FURNACE, output=None, **options):
+        return run("bake", source, "-o", output or self.output, *SMALL, *arguments, **options)
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn("luxel: error:", result.stderr)
+
+    def assert_refused(self, result, code, *words):
+        """One clear message: where, what, and one indented line of what to do."""
+        text = result.stderr
+        self.assertEqual(result.returncode, code, text)
+        lines = text.splitlines()
+        errors = [k for k, line in enumerate(lines) if line.startswith("luxel: error: ")]
+        self.assertEqual(len(errors), 1, text)
+        self.assertRegex(lines[errors[0]], r"^luxel: error: \S.*: \S", "where: what")
+        hints = [line for line in lines if line.startswith(" ")]
+        self.assertEqual(lines[errors[0] + 1:], hints, "after the error only its hint:\n" + text)
+        self.assertEqual(len(hints), 1, text)
+        for line in lines[:errors[0]]:
+            self.assertRegex(line, r"^luxel: (warning: |[a-z]+ )", text)
+        for word in words:
+            self.assertIn(word, text)
+        for trace in ("terminate called", "what():", "Segmentation", "Sanitizer", "core dumped"):
+            self.assertNotIn(trace, text)
+        self.assertEqual(result.stdout, "")
+        if os.path.isdir(self.out):
+            self.assertEqual(files_below(self.out), [])
+            self.assertEqual(os.listdir(self.out), [])
+
+    def scene(self, edit, name="scene.gltf", buffer=True):
+        """A copy of the furnace with its JSON changed."""
+        with open(FURNACE, encoding="utf-8") as file:
+            document = json.load(file)
+        edit(document)
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            json.dump(document, file)
+        if buffer:
+            shutil.copy(os.path.join(SAMPLES, "furnace", "furnace.bin"), self.folder)
+        return self.path(name)
+
+
+class Help(Case):
+    # A value that differs from the default, for every option of `luxel bake`.
+    VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--gather-rays": "8",
+              "--tolerance": "0.01", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
+              "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
+              "--threads": "1", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--report": "{folder}/report.json", "--quiet": ""}
+
+    def test_help(self):
+        for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):
+            result = run(*arguments)
+            self.assertEqual((result.returncode, result.stderr), (0, ""), arguments)
+            self.assertIn("bake", result.stdout)
+
+    def test_version(self):
+        result = run("--version")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertRegex(result.stdout, r"^luxel \d+\.\d+\.\d+\n$")
+
+    def test_examples_and_defaults_are_shown(self):
+        text = run("bake", "--help").stdout
+        self.assertEqual(len(re.findall(r"^  luxel bake ", text, re.M)), 5, "five examples")
+        for option in ("--atlas-size", "--padding", "--quality", "--memory"):
+            self.assertRegex(text, option + r"[^\n]*\[[^\]\n]+\]", "its default")
+
+    def test_every_option_of_the_help_is_accepted(self):
+        text = run("bake", "--help").stdout.split("Examples:")[0]
+        listed = set(re.findall(r"^\s+(?:-\w,)?(--[a-z-]+)", text, re.M))
+        self.assertEqual(listed, set(self.VALUES), "the table of this test and the help")
+        arguments = []
+        for option, value in self.VALUES.items():
+            if value is not None:
+                arguments += [option] + ([value.format(folder=self.folder)] if value else [])
+        result = run("bake", FURNACE, "-o", self.output, *arguments)
+        self.assert_done(result)
+        self.assertEqual((result.stdout, result.stderr), ("", ""), "--quiet is quiet")
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            settings = json.load(file)["settings"]
+        for option, value in self.VALUES.items():
+            if value and option not in ("--report", "--work", "--memory", "--rays", "--report"):
+                self.assertEqual(str(settings[option[2:]]), value.format(folder=self.folder), option)
+
+    def test_report_has_its_schema(self):
+        self.assert_done(self.bake("--report", self.path("report.json")))
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            report = json.load(file)
+        self.assertEqual(report["schema"], 1)
+        for part, members in {
+                "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "bytes bytes_per_pair",
+                "evidence": "rays rays_per_second rounds", "solve": "solver reads error_bound history",
+                "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
+            for member in members.split():
+                self.assertIn(member, report[part])
+        for stage in report["stages"]:
+            self.assertLessEqual({"name", "seconds", "peak_bytes", "reused"}, set(stage))
+        for output in report["outputs"]:
+            self.assertLessEqual({"path", "kind", "quantity", "unit", "encoding", "intensity"}, set(output))
+            self.assertTrue(os.path.isfile(output["path"].split("#")[0]), output)
+        self.assertIsInstance(report["warnings"], list)
+        self.assertIsInstance(report["skipped"], list)
+        self.assertGreater(report["counts"]["pairs"], 0)
+
+
+class Usage(Case):
+    def test_refused(self):
+        for arguments, word in (
+                (["--no-such-option"], "--no-such-option"), (["--rays", "3"], "--rays"), (["--rays"], "--rays"),
+                (["--rays", "many"], "--rays"), (["--gather-rays", "100"], "128"), (["--gather-rays", "-1"], "--gather-rays"),
+                (["--tolerance", "0"], "--tolerance"), (["--tolerance", "nan"], "--tolerance"),
+                (["--texels-per-metre", "-1"], "--texels-per-metre"), (["--texels-per-metre", "nan"], "--texels-per-metre"),
+                (["--atlas-size", "8"], "--atlas-size"), (["--atlas-size", "100000"], "--atlas-size"),
+                (["--padding", "65"], "--padding"), (["--patch-texels", "0"], "--patch-texels"),
+                (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
+                (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
+                (["--interpolation", "cubic"], "linear"), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
+                (["--memory", "99999999999G"], "--memory"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):
+            with self.subTest(arguments):
+                self.assert_refused(run("bake", FURNACE, "-o", self.output, *arguments), USAGE, word)
+
+    def test_padding_that_leaves_no_room(self):
+        self.assert_refused(run("bake", FURNACE, "-o", self.output, "--atlas-size", "16", "--padding", "60"), USAGE, "padding")
+
+    def test_commands(self):
+        for arguments in ([], ["render"], ["bake"], ["bake", FURNACE], ["bake", "-o", self.output], ["--no-such-option"]):
+            with self.subTest(arguments):
+                self.assert_refused(run(*arguments), USAGE, "--help")
+
+    def test_output_is_the_input(self):
+        source = self.scene(lambda document: None)
+        with open(source, "rb") as file:
+            before = file.read()
+        self.assert_refused(self.bake(source=source, output=source), USAGE, "input")
+        link = self.path("link.gltf")
+        os.symlink(source, link)
+        self.assert_refused(self.bake(source=source, output=link), USAGE, "input")
+        with open(source, "rb") as file:
+            self.assertEqual(file.read(), before)
+
+    def test_output_of_another_kind(self):
+        self.assert_refused(self.bake(output=self.path("scene.obj")), USAGE, ".glb")
+
+
+class Input(Case):
+    def test_missing(self):
+        self.assert_refused(self.bake(source=self.path("nothing.glb")), BAD_INPUT, "nothing.glb")
+
+    def test_folder(self):
+        self.assert_refused(self.bake(source=self.folder), BAD_INPUT)
+
+    def test_not_gltf(self):
+        for name, content in (("text.gltf", b"hello"), ("text.glb", b"hello"), ("list.gltf", b"[]"), ("empty.gltf", b""),
+                              ("deep.gltf", b"[" * 100000), ("nul.gltf", b"\0" * 100)):
+            with self.subTest(name):
+                with open(self.path(name), "wb") as file:
+                    file.write(content)
+                self.assert_refused(self.bake(source=self.path(name)), BAD_INPUT, name)
+
+    def test_truncated_glb(self):
+        whole = self.path("whole.glb")
+        self.assert_done(self.bake(output=whole))
+        with open(whole, "rb") as file:
+            content = file.read()
+        json_length = struct.unpack_from("<I", content, 12)[0]
+        for length in (0, 3, 11, 12, 16, 20, 21, 20 + json_length // 2, 20 + json_length, 20 + json_length + 4,
+                       20 + json_length + 8, len(content) // 2, len(content) - 1):
+            with self.subTest(length):
+                with open(self.path("cut.glb"), "wb") as file:
+                    file.write(content[:length])
+                self.assert_refused(self.bake(source=self.path("cut.glb")), BAD_INPUT, "cut.glb")
+
+    def test_wrong_accessors(self):
+        def change(index, **members):
+            return lambda document: document["accessors"][index].update(members)
+
+        def primitive(**members):
+            return lambda document: document["meshes"][0]["primitives"][0].update(members)
+
+        for name, edit in {
+                "more elements than the view has": change(0, count=5000),
+                "count of zero": change(0, count=0), "negative count": change(0, count=-1), "huge count": change(0, count=1 << 62),
+                "no such view": change(0, bufferView=99), "no such component": change(0, componentType=7777),
+                "positions of two numbers": change(0, type="VEC2"), "no such type": change(0, type="VEC9"),
+                "offset beyond the view": change(0, byteOffset=40), "offset not aligned": change(1, byteOffset=1),
+                "indices of floats": change(1, componentType=5126), "text as count": change(0, count="four"),
+                "no such accessor": primitive(attributes={"POSITION": 99}), "no such indices": primitive(indices=99),
+                "no positions at all": primitive(attributes={}), "no such material": primitive(material=99),
+                "mode that does not exist": primitive(mode=9)}.items():
+            with self.subTest(name):
+                source = self.scene(edit)
+                result = self.bake(source=source)
+                if name in ("no positions at all", "count of zero", "offset not aligned") and result.returncode == 0:
+                    self.assertIn("luxel: warning:", result.stderr, "a part that is left out is named")
+                    continue
+                self.assert_refused(result, BAD_INPUT, "scene.gltf")
+
+    def test_index_beyond_the_vertices(self):
+        source = self.scene(lambda document: None)
+        with open(self.path("furnace.bin"), "r+b") as file:
+            file.seek(48)
+            file.write(struct.pack("<H", 60000))
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "scene.gltf")
+
+    def test_external_buffer(self):
+        source = self.scene(lambda document: None, buffer=False)
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "furnace.bin")
+        with open(self.path("furnace.bin"), "wb") as file:
+            file.write(b"\0" * 20)
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "furnace.bin")
+
+    def test_nothing_to_bake(self):
+        source = self.scene(lambda document: document["scenes"][0].update(nodes=[]))
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "no triangle")
+
+
+class Output(Case):
+    def test_folder_in_its_place(self):
+        os.makedirs(self.path("a_folder.glb"))
+        self.assert_refused(self.bake(output=self.path("a_folder.glb")), CANNOT_WRITE, "a_folder.glb")
+        self.assertEqual(os.listdir(self.path("a_folder.glb")), [])
+
+    def test_file_where_a_folder_is_wanted(self):
+        with open(self.path("file"), "wb"):
+            pass
+        self.assert_refused(self.bake(output=self.path("file/scene.glb")), CANNOT_WRITE, "file")
+        self.assert_refused(self.bake("--work", self.path("file")), CANNOT_WRITE, "file")
+
+    def test_folder_that_takes_no_files(self):
+        self.assert_refused(self.bake(output="/proc/scene.glb"), CANNOT_WRITE, "/proc")
+        if os.geteuid() != 0:
+            os.makedirs(self.path("closed"), mode=0o500)
+            self.assert_refused(self.bake(output=self.path("closed/scene.glb")), CANNOT_WRITE, "closed")
+
+    def test_report_that_cannot_be_written(self):
+        result = self.bake("--report", "/proc/report.json")
+        self.assertEqual(result.returncode, CANNOT_WRITE)
+        self.assertIn("/proc/report.json", result.stderr)
+
+    def test_full_disk_at_any_size(self):
+        self.assert_done(self.bake("--work", self.path("work")))
+        largest = max(os.path.getsize(os.path.join(self.out, name)) for name in files_below(self.out))
+        sizes = sorted({os.path.getsize(os.path.join(where, name)) for folder in (self.out, self.path("work"))
+                        for where, _, names in os.walk(folder) for name in names})
+        shutil.rmtree(self.out)
+        for limit in [0, 100] + [size - 1 for size in sizes]:
+            with self.subTest(limit):
+                self.assert_refused(self.bake(limit_file_bytes=limit), CANNOT_WRITE)
+        self.assertEqual(sizes[-1] >= largest, True)
+        # With a finished bake folder only the outputs are written.
+        for limit in (0, largest // 2, largest - 1):
+            with self.subTest(limit):
+                self.assert_refused(self.bake("--work", self.path("work"), limit_file_bytes=limit), CANNOT_WRITE, "scene")
+                self.assertEqual([name for name in files_below(self.path("work")) if ".tmp-" in name], [])
+
+    def test_full_file_system(self):
+        disk = self.path("disk")
+        os.makedirs(disk)
+        if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk],
+                                               capture_output=True).returncode:
+            self.skipTest("a small file system cannot be mounted here")
+        self.addCleanup(subprocess.run, ["umount", disk], check=True)
+        self.assert_refused(self.bake("--work", self.path("work"), output=os.path.join(disk, "scene.glb")), CANNOT_WRITE, "scene")
+        self.assertEqual(files_below(disk), [])
+
+    def test_old_outputs_survive_a_failure(self):
+        self.assert_done(self.bake())
+        before = {name: open(os.path.join(self.out, name), "rb").read() for name in files_below(self.out)}
+        result = self.bake("--seed", "9", limit_file_bytes=100)
+        self.assertEqual(result.returncode, CANNOT_WRITE)
+        after = {name: open(os.path.join(self.out, name), "rb").read() for name in files_below(self.out)}
+        self.assertEqual(before, after)
+
+    def test_failed_write_leaves_no_mixture(self):
+        """A later file of the set fails: whatever is left is the whole old set or nothing of the new one."""
+        self.assert_done(self.bake())
+        old = {name: open(os.path.join(self.out, name), "rb").read() for name in files_below(self.out)}
+        os.remove(os.path.join(self.out, "scene.glb.lightmaps.json"))
+        os.makedirs(os.path.join(self.out, "scene.glb.lightmaps.json"))
+        result = self.bake("--texels-per-metre", "3")
+        self.assertEqual(result.returncode, CANNOT_WRITE, result.stderr)
+        for name in files_below(self.out):
+            with open(os.path.join(self.out, name), "rb") as file:
+                self.assertEqual(file.read(), old[name], name + " is neither old nor gone")
+
+
+class Store(Case):
+    def test_damaged_file_is_named(self):
+        self.assert_done(self.bake("--work", self.path("work")))
+        shutil.rmtree(self.out)
+        (atlas,) = [name for name in os.listdir(self.path("work")) if name.startswith("atlas-")]
+        with open(os.path.join(self.path("work"), atlas), "r+b") as file:
+            file.seek(100)
+            byte = file.read(1)
+            file.seek(100)
+            file.write(bytes([byte[0] ^ 1]))
+        self.assert_refused(self.bake("--work", self.path("work")), DAMAGED_STORE, atlas)
+        os.remove(os.path.join(self.path("work"), atlas))
+        self.assert_done(self.bake("--work", self.path("work")))
+
+
+class Memory(Case):
+    def test_too_small_budget_states_the_smallest(self):
+        result = self.bake("--memory", "1M")
+        self.assert_refused(result, BUDGET_TOO_SMALL, "--memory")
+        smallest = int(re.search(r"--memory (\d+)M", result.stderr).group(1))
+        self.assertGreater(smallest, 1)
+        self.assert_refused(self.bake("--memory", "0"), BUDGET_TOO_SMALL)
+        self.assert_refused(self.bake("--memory", f"{smallest - 8}M"), BUDGET_TOO_SMALL)
+        self.assert_done(self.bake("--memory", f"{smallest + 2}M"))
+
+
+if __name__ == "__main__":
+    LUXEL = os.path.abspath(sys.argv.pop(1))
+    unittest.main()
