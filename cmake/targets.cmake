@@ -4,7 +4,8 @@ set(LUXEL_SANITIZE "" CACHE STRING "Value of -fsanitize= (presets set it)")
 
 add_library(luxel_flags INTERFACE)
 target_include_directories(luxel_flags INTERFACE "${CMAKE_SOURCE_DIR}")
-set(LUXEL_COMMON_FLAGS "")
+# Nobody reads errno or floating-point traps; without these two, loops with roots and choices are not vectorised.
+set(LUXEL_COMMON_FLAGS -fno-math-errno -fno-trapping-math)
 if(LUXEL_INVARIANCE)
   # One instruction set and no contraction into fused multiply-add: the same bits on every machine.
   list(APPEND LUXEL_COMMON_FLAGS -march=x86-64-v3 -ffp-contract=off)

@@ -100,7 +100,7 @@ def main():
     options = parser.parse_args()
     options.work = os.path.abspath(options.work)
     python = reference_python()
-    rows = []
+    rows, failed = [], []
     for name, pattern, _ in SCENES:
         path = os.path.normpath(os.path.join(ROOT, pattern.format(scenes=os.path.abspath(options.scenes))))
         if options.only and name not in options.only:
@@ -108,12 +108,17 @@ def main():
         if not os.path.exists(path):
             print(f"gallery: {name} is left out: {path} is not there (see --scenes)", file=sys.stderr)
             continue
-        rows.append(one(python, name, path, options))
+        try:
+            rows.append(one(python, name, path, options))
+        except subprocess.CalledProcessError as error:
+            print(f"gallery: {name} is left out: {os.path.basename(error.cmd[0])} ended with {error.returncode}", file=sys.stderr)
+            failed.append(name)
     if not rows:
         sys.exit("gallery: nothing was baked, docs/gallery.md is unchanged")
     with open(os.path.join(ROOT, "docs/gallery.md"), "w", encoding="utf-8") as file:
         file.write(page(rows, options))
-    print(f"gallery: docs/gallery.md with {len(rows)} scenes")
+    print(f"gallery: docs/gallery.md with {len(rows)} scenes" + (f"; failed: {', '.join(failed)}" if failed else ""))
+    sys.exit(1 if failed else 0)
 
 
 if __name__ == "__main__":

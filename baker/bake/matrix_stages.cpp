@@ -13,8 +13,14 @@ struct EvidenceSet {
     Key key;
 };
 
-EvidenceSet collect_evidence(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder,
-                             StageClock& clock, BakeReport& report) {
+std::vector<PatchId> patch_ids(const PatchSet& patches) {
+    std::vector<PatchId> ids;
+    for (const Patch& patch : patches.patches) ids.push_back(patch.id);
+    return ids;
+}
+
+EvidenceSet collect_evidence(const BakeOptions& options, const BakedGeometry& g, std::span<const PatchId> ids,
+                             const BakeFolder& folder, StageClock& clock, BakeReport& report) {
     const auto estimator =
         make_ray_estimator(g.scene, g.atlas, g.patches, *g.tracer, {options.seed, options.replicates});
     const LevelPlan plan = uniform_plan(g.patches.count(), options.replicates, options.rays);
@@ -24,23 +30,21 @@ EvidenceSet collect_evidence(const BakeOptions& options, const BakedGeometry& g,
     EvidenceSet evidence;
     evidence.key = key.finish();
     const auto place = folder.evidence(evidence.key);
+    report.evidence_rays = planned_rays(plan, options.replicates, 0, g.layout.patch_count());
     clock.stage("evidence", [&] {
-        std::uint64_t total = 0, cast = 0;
-        for (const LevelRange& levels : plan.levels) total += estimator->ray_count(levels);
-        ProgressCounter progress(total, clock.progress("rays"));
+        ProgressCounter progress(report.evidence_rays, clock.progress("rays"));
+        bool reused = true;
         for (ChunkNumber chunk = 0; chunk < g.layout.chunk_count(); ++chunk) {
             evidence.files.push_back(BakeFolder::evidence_file(place, chunk));
-            std::uint64_t rays = 0;
-            for (PatchNumber p = g.layout.first_patch[chunk]; p < g.layout.first_patch[chunk + 1]; ++p)
-                rays += estimator->ray_count(plan.levels[p]);
-            report.evidence_rays += rays;
-            if (block_file_is_whole(evidence.files.back(), FileKind::evidence, evidence_version, evidence.key))
-                progress.add(rays);
-            else
-                cast += write_chunk_evidence(*estimator, g.layout, chunk, plan, evidence.files.back(), evidence.key,
-                                             &progress);
+            if (block_file_is_whole(evidence.files.back(), FileKind::evidence, evidence_version, evidence.key)) {
+                progress.add(planned_rays(plan, options.replicates, g.layout.first_patch[chunk],
+                                          g.layout.first_patch[chunk + 1]));
+                continue;
+            }
+            reused = false;
+            write_chunk_evidence(*estimator, g.layout, ids, chunk, plan, evidence.files.back(), evidence.key, &progress);
         }
-        return cast == 0;
+        return reused;
     });
     report.evidence_seconds = clock.last_seconds();
     report.evidence_rounds = 1;
@@ -60,16 +64,13 @@ Closure close_matrix(const BakeOptions& options, const BakedMatrix& matrix) {
 
 BakedMatrix prepare_matrix(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder,
                            const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
-    const EvidenceSet evidence = collect_evidence(options, g, folder, clock, report);
+    const std::vector<PatchId> ids = patch_ids(g.patches);
+    const EvidenceSet evidence = collect_evidence(options, g, ids, folder, clock, report);
     BakedMatrix matrix;
     const Key strip_key = KeyBuilder("strips 1").key(evidence.key).finish();
     const auto place = folder.strips(strip_key);
     clock.stage("pooling", [&] {
-        std::vector<PatchId> ids;
-        for (const Patch& patch : g.patches.patches) {
-            ids.push_back(patch.id);
-            matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
-        }
+        for (const Patch& patch : g.patches.patches) matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
         const bool wrote = pool_evidence(g.layout, ids, evidence.files, evidence.key, place, strip_key,
                                          {plan.pooling_bytes, folder.root()}, clock.progress("files"));
         matrix.strips = std::make_unique<StripStore>(place, strip_key, g.layout);

@@ -79,22 +79,26 @@ void save_solution(const std::filesystem::path& path, const Key& key, const Solv
     }
     append_column<double>(file, 3, history);
     file.append(4, ByteView(reinterpret_cast<const std::uint8_t*>(result.solver.data()), result.solver.size()), 0);
+    append_column<double>(file, 5, flat(result.irradiance));
     file.publish();
 }
 
 std::optional<SolveResult> load_solution(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::solution, version, &key);
-    check_blocks(file, 5);
+    check_blocks(file, 6);
     SolveResult result;
     const auto radiosity = read_column<double>(file, 0), unshot = read_column<double>(file, 1);
     const auto report = read_column<double>(file, 2), history = read_column<double>(file, 3);
+    const auto irradiance = read_column<double>(file, 5);
     check_size(file, radiosity.size(), 3 * patch_count, "radiosity");
+    check_size(file, irradiance.size(), 3 * patch_count, "irradiance");
     check_size(file, unshot.size(), 3 * patch_count, "unshot");
     check_size(file, report.size(), 3, "report");
     check_size(file, history.size() % 2, 0, "history");
     result.radiosity = channels(radiosity);
     result.unshot = channels(unshot);
+    result.irradiance = channels(irradiance);
     result.error_bound = report[0];
     result.reads = report[1];
     result.converged = report[2] != 0;

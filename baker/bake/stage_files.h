@@ -3,7 +3,8 @@
 /// closure   kind 4, version 1: 0 mu (f64), 1 diagonal_m2 (f64), 2 row_open_m2 (f64), 3 report (f64: iterations, largest
 ///           and mean row error before, the same after, diagonal share, remainder share).
 /// solution  kind 5, version 1: 0 radiosity (f64, 3 per patch), 1 unshot (f64, 3 per patch), 2 report (f64: error bound,
-///           reads, converged 0/1), 3 history (f64 pairs: bytes read, bound), 4 name of the solver (text).
+///           reads, converged 0/1), 3 history (f64 pairs: bytes read, bound), 4 name of the solver (text),
+///           5 irradiance (f64, 3 per patch).
 /// lightmap  kind 6, version 1: 0 irradiance (f32, 3 per texel of the page, in texel order).
 #pragma once
 #include <filesystem>

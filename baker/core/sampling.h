@@ -1,6 +1,8 @@
 /// Maps from the unit square to the things that rays need. No libm: sine and cosine differ in the last bit between
 /// machines, polynomials do not.
 #pragma once
+#include <span>
+
 #include "baker/core/vec.h"
 
 namespace luxel {
@@ -8,6 +10,9 @@ namespace luxel {
 /// Cosine-distributed direction in the local frame (z up), density cos(theta)/pi per sr. z > 0.
 /// Source: Shirley and Chiu, A Low Distortion Map Between Disk and Square, JGT 2(3) 1997; Malley's method.
 Vec3f cosine_direction(float u, float v);
+
+/// The same for arrays: x[k], y[k], z[k] from u[k], v[k], bit for bit as cosine_direction.
+void cosine_directions(std::span<const float> u, std::span<const float> v, float* x, float* y, float* z);
 
 /// Uniform barycentrics (weights of corners 1 and 2) of a triangle; keeps strata compact.
 /// Source: Heitz, A Low-Distortion Map Between Triangle and Square, 2019.

@@ -66,6 +66,14 @@ constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
 
+std::uint32_t sobol(std::size_t dimension, std::uint32_t index) {
+    const auto& table = tables.value[dimension];
+    return table[0][index & 0xff] ^ table[1][(index >> 8) & 0xff] ^ table[2][(index >> 16) & 0xff] ^ table[3][index >> 24];
+}
+
+/// The upper 24 bits as a number in [0, 1).
+float to_unit(std::uint32_t x) { return static_cast<float>(static_cast<std::int32_t>(x >> 8)) * 0x1p-24f; }
+
 }  // namespace
 
 SobolSequence::SobolSequence(std::uint64_t seed) {
@@ -75,13 +83,17 @@ SobolSequence::SobolSequence(std::uint64_t seed) {
 std::array<float, 4> SobolSequence::point(std::uint32_t index) const {
     // No shuffling of the index: rays are added level by level, and each prefix of 2^k points must stay a net.
     std::array<float, 4> u;
-    for (std::size_t d = 0; d < 4; ++d) {
-        const auto& table = tables.value[d];
-        const std::uint32_t x = table[0][index & 0xff] ^ table[1][(index >> 8) & 0xff] ^ table[2][(index >> 16) & 0xff] ^
-                                table[3][index >> 24];
-        u[d] = static_cast<float>(owen_scramble(x, dimension_seed_[d]) >> 8) * 0x1p-24f;
-    }
+    for (std::size_t d = 0; d < 4; ++d) u[d] = to_unit(owen_scramble(sobol(d, index), dimension_seed_[d]));
     return u;
+}
+
+void SobolSequence::points(std::uint32_t begin, std::array<std::array<float, batch>, 4>& out) const {
+    for (std::size_t d = 0; d < 4; ++d) {
+        // Sobol points are linear in the bits of the index: the low bits' share is the same for every batch.
+        const std::uint32_t high = sobol(d, begin), seed = dimension_seed_[d];
+        const auto& low = tables.value[d][0];
+        for (std::uint32_t k = 0; k < batch; ++k) out[d][k] = to_unit(owen_scramble(high ^ low[k], seed));
+    }
 }
 
 }  // namespace luxel

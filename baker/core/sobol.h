@@ -23,6 +23,11 @@ class SobolSequence {
     explicit SobolSequence(std::uint64_t seed);
     [[nodiscard]] std::array<float, 4> point(std::uint32_t index) const;
 
+    /// Points [begin, begin + batch) at once, dimension by dimension: the same numbers as point(), several times faster.
+    /// `begin` is a multiple of `batch`.
+    static constexpr std::uint32_t batch = 64;
+    void points(std::uint32_t begin, std::array<std::array<float, batch>, 4>& out) const;
+
   private:
     std::array<std::uint32_t, 4> dimension_seed_;
 };

@@ -12,7 +12,9 @@ namespace {
 using Vector = double __attribute__((vector_size(32)));
 
 inline void load(const Lanes& lanes, Vector& out) { std::memcpy(&out, lanes.v, sizeof(Vector)); }
-inline void store(const Vector& value, Lanes& lanes) { std::memcpy(static_cast<void*>(&lanes), &value, sizeof(Vector)); }
+inline void store(const Vector& value, Lanes& lanes) {
+    std::memcpy(static_cast<void*>(&lanes), &value, sizeof(Vector));
+}
 
 inline void add_product(Lanes& y, float g, const Vector& x) {
     Vector sum;
@@ -89,8 +91,7 @@ void apply_both(const Block& block, std::span<const Lanes> x_a, std::span<const 
 void apply_diagonal(const Block& block, std::size_t row_first, std::size_t row_last, std::span<const Lanes> x,
                     std::span<Lanes> y) {
     for (std::size_t row = row_first; row < row_last; ++row)
-        if (block.row_begin[row] != block.row_begin[row + 1])
-            apply_row(block, row, x[row], x.data(), y[row], y.data());
+        if (block.row_begin[row] != block.row_begin[row + 1]) apply_row(block, row, x[row], x.data(), y[row], y.data());
 }
 
 }  // namespace luxel

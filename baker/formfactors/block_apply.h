@@ -1,7 +1,7 @@
 /// Multiplying one decoded block of exchange areas with vectors over patches: the inner loops of every solver.
 ///
-/// Vectors are arrays of Lanes, one per patch of a chunk: three channels and a spare lane, 32 bytes, so that one pair is
-/// one vector instruction each way. The spare lane is multiplied like the others: put 0 there, or 1 to get row sums.
+/// Vectors are arrays of Lanes, one per patch of a chunk: three channels and a spare lane, 32 bytes, so that one pair
+/// is one vector instruction each way. The spare lane is multiplied like the others: put 0 there, or 1 to get row sums.
 /// Sizes: arrays of a have block.row_begin.size() - 1 entries; every column is below the size of b's arrays.
 /// Results are added to y. Threads: pure functions; two calls may not share a y. The order of the sums is fixed.
 #pragma once

@@ -99,7 +99,8 @@ std::vector<double> whole_rows(const ClosureInput& input, std::span<const double
         rows[i] += ratio(input.self_hits[i], mu[i]) + ratio(input.open_hits[i], mu[i]);
         if (!std::isfinite(rows[i]))
             throw Error(ErrorCode::damaged_store, "closure, patch " + std::to_string(i),
-                        "counts between patches that sent no rays", "the evidence is damaged; remove it from the bake folder and bake again");
+                        "counts between patches that sent no rays",
+                        "the evidence is damaged; remove it from the bake folder and bake again");
     }
     return rows;
 }
@@ -109,7 +110,8 @@ void update(const ClosureInput& input, std::span<const double> rows, double mean
         if (rows[i] <= 0) continue;
         const double relative = rows[i] / input.area_m2[i];
         if (mu[i] > 0) {
-            // Without rays of its own a row is only limited from above: its multiplier falls towards 0 where the row is short.
+            // Without rays of its own a row is only limited from above: its multiplier falls towards 0 where the row is
+            // short.
             mu[i] *= relative;
         } else if (relative > 1) {
             // The others find more of it than it has: the limit binds, so the multiplier becomes positive.

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "baker/patches/patch.h"
@@ -15,17 +16,33 @@ struct LevelRange {
     std::uint8_t first = 0, last = 0;
 };
 
+/// Where the rays of one patch and replicate ended: a list, a patch as often as it was met, in no particular order.
+struct Landings {
+    std::vector<PatchNumber> patches;
+    std::uint32_t open = 0, back = 0;
+    void clear() {
+        patches.clear();
+        open = back = 0;
+    }
+};
+
 class Estimator {
   public:
     virtual ~Estimator() = default;
-    /// Appends one record per replicate, in replicate order. A pure function of geometry, the patch's stable id, the
-    /// options and the levels: never of patch numbers, chunks or threads.
+    /// Replaces `out` by what the rays of these levels met, one entry per replicate. A pure function of geometry, the patch's
+    /// stable id, the options and the levels: never of patch numbers, chunks or threads.
     /// Threads: const and reentrant; the caller has flushed denormals.
-    virtual void collect(PatchNumber patch, LevelRange levels, std::vector<EvidenceRecord>& out) const = 0;
-    /// Rays that collect() casts for these levels, all replicates together.
-    [[nodiscard]] virtual std::uint64_t ray_count(LevelRange levels) const = 0;
+    virtual void cast(PatchNumber patch, LevelRange levels, std::vector<Landings>& out) const = 0;
+    [[nodiscard]] virtual std::uint32_t replicate_count() const = 0;
     /// What the records depend on beside geometry and levels: goes into the evidence key.
     [[nodiscard]] virtual Key identity() const = 0;
 };
+
+/// Rays that the levels stand for, one replicate.
+std::uint64_t ray_count(LevelRange levels);
+
+/// The evidence of one patch as records, one per replicate, in replicate order. `ids`: stable id per patch number.
+void collect_records(const Estimator& estimator, std::span<const PatchId> ids, PatchNumber patch, LevelRange levels,
+                     std::vector<EvidenceRecord>& out);
 
 }  // namespace luxel

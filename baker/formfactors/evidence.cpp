@@ -1,6 +1,8 @@
 #include "baker/formfactors/evidence.h"
 
 #include <algorithm>
+#include <bit>
+#include <memory>
 
 #include "baker/core/parallel.h"
 
@@ -10,6 +12,86 @@ namespace {
 /// Patches whose records share one block, hence one table of targets: neighbours see the same surfaces.
 constexpr std::size_t block_patches = 64;
 
+/// A set of numbers below a bound that lists its members in ascending order.
+class NumberSet {
+  public:
+    explicit NumberSet(std::size_t bound) : words_((bound + 63) / 64) {}
+    void insert(std::uint32_t number) {
+        std::uint64_t& word = words_[number / 64];
+        if (!word) touched_.push_back(number / 64);
+        word |= std::uint64_t{1} << (number % 64);
+    }
+    /// Calls body(number) for each member, ascending, and empties the set.
+    template <class Body>
+    void drain(Body&& body) {
+        std::sort(touched_.begin(), touched_.end());
+        for (const std::uint32_t at : touched_) {
+            for (std::uint64_t word = words_[at]; word; word &= word - 1)
+                body(at * 64 + static_cast<std::uint32_t>(std::countr_zero(word)));
+            words_[at] = 0;
+        }
+        touched_.clear();
+    }
+
+  private:
+    std::vector<std::uint64_t> words_;
+    std::vector<std::uint32_t> touched_;
+};
+
+/// Turns lists of landings into one evidence block without sorting them: targets are ranked once per block, then counted.
+class BlockBuilder {
+  public:
+    explicit BlockBuilder(std::span<const PatchId> ids) : ids_(ids) {}
+
+    void add(PatchNumber patch, std::uint32_t replicate, LevelRange levels, const Landings& landings) {
+        block_.rows.push_back({ids_[patch], static_cast<std::uint8_t>(replicate), levels.first, levels.last,
+                               landings.open, landings.back, 0, 0});
+        landings_.insert(landings_.end(), landings.patches.begin(), landings.patches.end());
+        row_end_.push_back(landings_.size());
+    }
+
+    EvidenceBlock finish() {
+        rank_targets();
+        std::vector<std::uint32_t> count(block_.targets.size());
+        NumberSet met(block_.targets.size());
+        std::size_t at = 0;
+        for (std::size_t row = 0; row < block_.rows.size(); ++row) {
+            for (; at < row_end_[row]; ++at) {
+                const std::uint32_t rank = rank_[landings_[at]];
+                if (!count[rank]++) met.insert(rank);
+            }
+            block_.rows[row].first = static_cast<std::uint32_t>(block_.counts.size());
+            met.drain([&](std::uint32_t rank) {
+                block_.target_index.push_back(rank);
+                block_.counts.push_back(count[rank]);
+                count[rank] = 0;
+            });
+            block_.rows[row].count = static_cast<std::uint32_t>(block_.counts.size()) - block_.rows[row].first;
+        }
+        return std::move(block_);
+    }
+
+  private:
+    void rank_targets() {
+        NumberSet distinct(ids_.size());
+        for (const PatchNumber target : landings_) distinct.insert(target);
+        std::vector<std::pair<PatchId, PatchNumber>> targets;
+        distinct.drain([&](PatchNumber target) { targets.emplace_back(ids_[target], target); });
+        std::sort(targets.begin(), targets.end());
+        rank_.reset(new std::uint32_t[ids_.size()]);  // only the entries of targets are ever read
+        for (std::size_t rank = 0; rank < targets.size(); ++rank) {
+            block_.targets.push_back(targets[rank].first);
+            rank_[targets[rank].second] = static_cast<std::uint32_t>(rank);
+        }
+    }
+
+    std::span<const PatchId> ids_;
+    EvidenceBlock block_;
+    std::vector<PatchNumber> landings_;
+    std::vector<std::size_t> row_end_;
+    std::unique_ptr<std::uint32_t[]> rank_;
+};
+
 }  // namespace
 
 LevelPlan uniform_plan(std::size_t patch_count, std::uint32_t replicates, std::uint64_t rays) {
@@ -18,33 +100,41 @@ LevelPlan uniform_plan(std::size_t patch_count, std::uint32_t replicates, std::u
     return {std::vector<LevelRange>(patch_count, LevelRange{0, last})};
 }
 
-std::uint64_t write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, ChunkNumber chunk,
-                                   const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
-                                   ProgressCounter* progress) {
+std::uint64_t planned_rays(const LevelPlan& plan, std::uint32_t replicates, PatchNumber begin, PatchNumber end) {
+    std::uint64_t rays = 0;
+    for (PatchNumber patch = begin; patch < end; ++patch) rays += ray_count(plan.levels[patch]) * replicates;
+    return rays;
+}
+
+void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
+                          ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
+                          ProgressCounter* progress) {
     const PatchNumber first = layout.first_patch[chunk], end = layout.first_patch[chunk + 1];
     const std::size_t block_count = (end - first + block_patches - 1) / block_patches;
     std::vector<BlockFileWriter::Packed> blocks(block_count);
-    std::vector<std::uint64_t> rays(block_count), records_before(block_count + 1);
+    std::vector<std::uint64_t> first_record(block_count + 1);
     parallel_for(block_count, 1, [&](std::size_t block) {
-        std::vector<EvidenceRecord> records;
         const auto begin = static_cast<PatchNumber>(first + block * block_patches);
-        for (PatchNumber patch = begin; patch < std::min<PatchNumber>(end, begin + block_patches); ++patch) {
-            estimator.collect(patch, plan.levels[patch], records);
-            rays[block] += estimator.ray_count(plan.levels[patch]);
+        const PatchNumber block_end = std::min<PatchNumber>(end, begin + block_patches);
+        BlockBuilder builder(ids);
+        std::vector<Landings> landings;
+        for (PatchNumber patch = begin; patch < block_end; ++patch) {
+            estimator.cast(patch, plan.levels[patch], landings);
+            for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
+                builder.add(patch, replicate, plan.levels[patch], landings[replicate]);
         }
-        records_before[block + 1] = records.size();
-        blocks[block] = BlockFileWriter::pack(encode_evidence(records), 1);
-        if (progress) progress->add(rays[block]);
+        const EvidenceBlock evidence = builder.finish();
+        first_record[block + 1] = evidence.rows.size();
+        blocks[block] = BlockFileWriter::pack(encode_evidence(evidence), 1);
+        if (progress) progress->add(planned_rays(plan, estimator.replicate_count(), begin, block_end));
     });
     BlockFileWriter file(path, FileKind::evidence, evidence_version, key);
-    std::uint64_t total = 0, record = 0;
+    std::uint64_t record = 0;
     for (std::size_t block = 0; block < block_count; ++block) {
-        record += records_before[block];
+        record += first_record[block];
         file.append_packed(record, blocks[block]);
-        total += rays[block];
     }
     file.publish();
-    return total;
 }
 
 }  // namespace luxel

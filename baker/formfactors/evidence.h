@@ -16,10 +16,13 @@ struct LevelPlan {
 /// The plan with the same levels for all patches: at least `rays` rays each, replicates * 2^k.
 LevelPlan uniform_plan(std::size_t patch_count, std::uint32_t replicates, std::uint64_t rays);
 
-/// Writes the evidence of chunk `chunk`'s own rays to `path`; returns the number of rays cast.
+/// Rays of a whole plan, or of one chunk's part of it.
+std::uint64_t planned_rays(const LevelPlan& plan, std::uint32_t replicates, PatchNumber begin, PatchNumber end);
+
+/// Writes the evidence of chunk `chunk`'s own rays to `path`. `ids`: stable id per patch number.
 /// Threads: uses them all; the bytes do not depend on their number. Errors: cannot_write.
-std::uint64_t write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, ChunkNumber chunk,
-                                   const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
-                                   ProgressCounter* progress);
+void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
+                          ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
+                          ProgressCounter* progress);
 
 }  // namespace luxel

@@ -1,7 +1,8 @@
 /// A BlockSource that holds all blocks in memory: for tests and for scenes small enough not to need a store.
 ///
 /// Loads count as if the blocks were stored with 8 bytes a pair, in whole 4096-byte pages. Owns everything it is given.
-/// Threads: load() is reentrant. Errors: Error{internal} for pairs out of range, doubled, on the diagonal or not positive.
+/// Threads: load() is reentrant. Errors: Error{internal} for pairs out of range, doubled, on the diagonal or not
+/// positive.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -20,7 +21,8 @@ struct ExchangePair {
 
 class MemoryBlocks final : public BlockSource {
   public:
-    /// `pairs` in any order, each unordered pair at most once. area_m2 and diagonal_m2 have layout.patch_count() entries.
+    /// `pairs` in any order, each unordered pair at most once. area_m2 and diagonal_m2 have layout.patch_count()
+    /// entries.
     MemoryBlocks(ChunkLayout layout, std::vector<double> area_m2, std::vector<double> diagonal_m2,
                  std::vector<ExchangePair> pairs);
 

@@ -11,7 +11,32 @@
 namespace luxel {
 namespace {
 
-constexpr std::size_t batch_rays = 64;
+constexpr std::uint32_t batch = SobolSequence::batch;
+
+/// A batch of rays on its way: points of the sequence, local directions, rays, hits.
+struct RayBatch {
+    std::array<std::array<float, batch>, 4> points;
+    std::array<float, batch> x, y, z;
+    std::array<TraceRay, batch> rays;
+    std::array<TraceHit, batch> hits;
+};
+
+/// Rays from a parallelogram: one frame and one triangle for all of them.
+void aim_flat(const Parallelogram& flat, std::size_t count, RayBatch& b) {
+    const Frame frame(flat.normal);
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec3f at = flat.origin + flat.side_u * b.points[0][k] + flat.side_v * b.points[1][k];
+        b.rays[k] = {offset_origin(at, flat.normal), frame.to_world({b.x[k], b.y[k], b.z[k]}), flat.triangle};
+    }
+}
+
+void aim(const SurfaceSampler& sampler, std::size_t count, RayBatch& b) {
+    for (std::size_t k = 0; k < count; ++k) {
+        const SurfacePoint at = sampler.point(b.points[0][k], b.points[1][k]);
+        b.rays[k] = {offset_origin(at.position, at.normal), Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]}),
+                     at.triangle};
+    }
+}
 
 class RayEstimator final : public Estimator {
   public:
@@ -19,27 +44,24 @@ class RayEstimator final : public Estimator {
                  const RayEstimatorOptions& options)
         : scene_(scene), atlas_(atlas), patches_(patches), tracer_(tracer), options_(options) {}
 
-    void collect(PatchNumber patch, LevelRange levels, std::vector<EvidenceRecord>& out) const override {
+    void cast(PatchNumber patch, LevelRange levels, std::vector<Landings>& out) const override {
+        out.resize(options_.replicates);
         const PatchSampler sampler(scene_, atlas_, patches_, patch);
-        std::vector<PatchId> targets;
+        const std::uint64_t end = std::uint64_t{1} << levels.last;
         for (std::uint32_t replicate = 0; replicate < options_.replicates; ++replicate) {
-            EvidenceRecord record;
-            record.patch_id = patches_.patches[patch].id;
-            record.replicate = static_cast<std::uint8_t>(replicate);
-            record.first_level = levels.first;
-            record.last_level = levels.last;
-            targets.clear();
-            trace(sampler, record, targets);
-            count(targets, record);
-            out.push_back(std::move(record));
+            out[replicate].clear();
+            const SobolSequence sequence(mix(mix(patches_.patches[patch].id, options_.seed), replicate));
+            for (std::uint64_t begin = end - ray_count(levels); begin < end;) {
+                // Level boundaries below the batch size cut batches short.
+                const std::uint64_t first = begin / batch * batch;
+                const std::uint64_t last = std::min(end, first + batch);
+                cast_batch(sampler, sequence, first, begin, last, out[replicate]);
+                begin = last;
+            }
         }
     }
 
-    [[nodiscard]] std::uint64_t ray_count(LevelRange levels) const override {
-        EvidenceRecord shape;
-        shape.first_level = levels.first, shape.last_level = levels.last;
-        return shape.ray_count() * options_.replicates;
-    }
+    [[nodiscard]] std::uint32_t replicate_count() const override { return options_.replicates; }
 
     [[nodiscard]] Key identity() const override {
         return KeyBuilder("ray estimator 1")
@@ -50,39 +72,25 @@ class RayEstimator final : public Estimator {
     }
 
   private:
-    /// Casts the record's rays; appends the id of each patch met, tallies the rest.
-    void trace(const PatchSampler& sampler, EvidenceRecord& record, std::vector<PatchId>& targets) const {
-        const SobolSequence sequence(mix(mix(record.patch_id, options_.seed), record.replicate));
-        const std::uint64_t end = std::uint64_t{1} << record.last_level;
-        std::array<TraceRay, batch_rays> rays;
-        std::array<TraceHit, batch_rays> hits;
-        for (std::uint64_t begin = end - record.ray_count(); begin < end; begin += batch_rays) {
-            const std::size_t count = std::min<std::uint64_t>(batch_rays, end - begin);
-            for (std::size_t k = 0; k < count; ++k) {
-                const auto u = sequence.point(static_cast<std::uint32_t>(begin + k));
-                const SurfacePoint start = sampler.point(u[0], u[1]);
-                rays[k] = {offset_origin(start.position, start.normal),
-                           Frame(start.normal).to_world(cosine_direction(u[2], u[3])), start.triangle};
-            }
-            tracer_.first_hits({rays.data(), count}, {hits.data(), count});
-            for (std::size_t k = 0; k < count; ++k) {
-                const Landing at = landing(scene_, atlas_, patches_, hits[k]);
-                if (at.end == RayEnd::patch)
-                    targets.push_back(patches_.patches[at.patch].id);
-                else
-                    ++(at.end == RayEnd::open ? record.open : record.back);
-            }
-        }
-    }
-
-    static void count(std::vector<PatchId>& targets, EvidenceRecord& record) {
-        std::sort(targets.begin(), targets.end());
-        for (const PatchId id : targets) {
-            if (record.target_id.empty() || record.target_id.back() != id) {
-                record.target_id.push_back(id);
-                record.count.push_back(0);
-            }
-            ++record.count.back();
+    /// Rays [begin, last) of the batch that starts at `first`.
+    void cast_batch(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t first, std::uint64_t begin,
+                    std::uint64_t last, Landings& out) const {
+        RayBatch b;
+        sequence.points(static_cast<std::uint32_t>(first), b.points);
+        const std::size_t skip = begin - first, count = last - first;
+        cosine_directions(b.points[2], b.points[3], b.x.data(), b.y.data(), b.z.data());
+        if (const Parallelogram* flat = sampler.flat())
+            aim_flat(*flat, count, b);
+        else
+            aim(sampler, count, b);
+        const std::span<TraceHit> hits(b.hits.data() + skip, count - skip);
+        tracer_.first_hits({b.rays.data() + skip, count - skip}, hits);
+        for (const TraceHit& hit : hits) {
+            const Landing at = landing(scene_, atlas_, patches_, hit);
+            if (at.end == RayEnd::patch)
+                out.patches.push_back(at.patch);
+            else
+                ++(at.end == RayEnd::open ? out.open : out.back);
         }
     }
 

@@ -16,6 +16,14 @@ struct SurfacePoint {
     Vec2f barycentric;  ///< weights of corners 1 and 2
 };
 
+/// A flat piece of one triangle whose points are origin + side_u * u + side_v * v: most patches of large surfaces.
+struct Parallelogram {
+    Vec3f origin, side_u, side_v;
+    Vec3f normal;  ///< unit geometric normal of the sampled side
+    std::uint32_t triangle = none;
+    Vec2f barycentric, barycentric_u, barycentric_v;  ///< the same map in weights of corners 1 and 2
+};
+
 class SurfaceSampler {
   public:
     /// `fragments` in raster order (y, x, triangle), not empty; `back`: sample the other side of the surface.
@@ -24,6 +32,8 @@ class SurfaceSampler {
 
     /// Uniform over the area for uniform u, v in [0, 1).
     [[nodiscard]] SurfacePoint point(float u, float v) const;
+    /// Set when the whole surface is one parallelogram; point() then follows exactly this map.
+    [[nodiscard]] const Parallelogram* flat() const { return is_flat_ ? &flat_ : nullptr; }
     /// Interpolated shading normal on the sampled side.
     [[nodiscard]] Vec3f shading_normal(const SurfacePoint& at) const;
 
@@ -38,8 +48,12 @@ class SurfaceSampler {
         std::uint32_t first, end;
         float share_before, share;  ///< of the whole area
     };
+    void cut_pieces(const Atlas& atlas, std::span<const Fragment> fragments);
+    bool make_flat(const Atlas& atlas, std::span<const Fragment> fragments);
+
     const Scene& scene_;
-    bool back_;
+    bool back_, is_flat_ = false;
+    Parallelogram flat_;
     std::vector<Piece> pieces_;
     std::vector<Row> rows_;
 };

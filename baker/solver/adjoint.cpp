@@ -17,14 +17,15 @@ constexpr double rounding_reserve = 1e-10;
 constexpr std::uint32_t max_inner_iterations = 200;
 
 /// The certificate that needs no read. With g_i = -G_ii / A_i the rest of row i sums to at most 1 + g_i + e for
-/// e = row_excess_allowed, D_i = 1 + rho_i g_i, and w_i = t D_i gives (T w)_i = t sum_j G_ij/A_i rho_j <= t rho_max (1 + g_i + e).
-/// So t = 1 / min_i(D_i - rho_max (1 + g_i + e)) does, where that minimum is positive. In a closed scene without
-/// self-exchange it is 1 / (1 - rho_max). Returns the minimum.
+/// e = row_excess_allowed, D_i = 1 + rho_i g_i, and w_i = t D_i gives (T w)_i = t sum_j G_ij/A_i rho_j <= t rho_max (1
+/// + g_i + e). So t = 1 / min_i(D_i - rho_max (1 + g_i + e)) does, where that minimum is positive. In a closed scene
+/// without self-exchange it is 1 / (1 - rho_max). Returns the minimum.
 double reflectance_margin(const Transport& transport, std::size_t channel) {
     double largest = 0;
     const std::uint32_t count = transport.layout().patch_count();
     for (PatchNumber i = 0; i < count; ++i)
-        if (transport.scaled_reflectance(i)[channel] > 0) largest = std::max(largest, transport.reflectance(i, channel));
+        if (transport.scaled_reflectance(i)[channel] > 0)
+            largest = std::max(largest, transport.reflectance(i, channel));
     if (largest == 0) return 1;  // nothing is sent on: w = 1
     double margin = 1;
     for (PatchNumber i = 0; i < count; ++i) {
@@ -40,8 +41,7 @@ std::vector<Lanes> adjoint_source(const Transport& transport, const std::vector<
     std::vector<Lanes> source(transport.size(chunk));
     for (std::size_t i = 0; i < source.size(); ++i) {
         const PatchNumber patch = transport.first(chunk) + static_cast<PatchNumber>(i);
-        for (std::size_t c = 0; c < 3; ++c)
-            source[i].v[c] = transport.scaled_reflectance(patch)[c] * weights[patch][c];
+        for (std::size_t c = 0; c < 3; ++c) source[i].v[c] = transport.scaled_reflectance(patch)[c] * weights[patch][c];
         source[i].v[3] = 1;
     }
     return source;

@@ -1,13 +1,18 @@
 /// Certified adjoint weights: how much light a unit of unshot radiosity can still become, at most.
 ///
-/// Transport K_ij = rho'_i G_ij / A_i (transport.h). The light still to come from unshot radiosity U has the total power
-///     sum A (I - K)^-1 U = sum_i A_i w*_i U_i,   w* = 1 + T w*,   T_ij = G_ij rho'_j / A_i >= 0   (A_i K_ij = A_j T_ji).
+/// Transport K_ij = rho'_i G_ij / A_i (transport.h). The light still to come from unshot radiosity U has the total
+/// power
+///     sum A (I - K)^-1 U = sum_i A_i w*_i U_i,   w* = 1 + T w*,   T_ij = G_ij rho'_j / A_i >= 0   (A_i K_ij = A_j
+///     T_ji).
 ///
-/// 1. If some w > 0 satisfies w >= 1 + T w, then w >= w* (and the series converges): T w <= w - 1 < w bounds T's spectral
-///    radius below 1, and w - w* >= T (w - w*) repeated gives w - w* >= lim T^n (w - w*) = 0. Such a w is a certificate.
+/// 1. If some w > 0 satisfies w >= 1 + T w, then w >= w* (and the series converges): T w <= w - 1 < w bounds T's
+/// spectral
+///    radius below 1, and w - w* >= T (w - w*) repeated gives w - w* >= lim T^n (w - w*) = 0. Such a w is a
+///    certificate.
 /// 2. Replacing w_i by 1 + (T w)_i <= w_i, or a group of rows by anything that satisfies their own inequalities and is
 ///    not larger than before, keeps a certificate: the right-hand sides of all other rows only fall, since T >= 0.
-/// 3. The smaller of two certificates, patch by patch, is one: the row of the smaller entry has a right-hand side at most
+/// 3. The smaller of two certificates, patch by patch, is one: the row of the smaller entry has a right-hand side at
+/// most
 ///    that of the certificate it came from.
 /// 4. For any w > 0 with w - T w >= m > 0 in every row, w / m is a certificate.
 ///
@@ -28,10 +33,10 @@ constexpr double row_excess_allowed = 1e-6;
 
 class Adjoint {
   public:
-    /// Starts without a read, from reflectances alone, in each channel where this gives at most `loosest`; rows that are
-    /// longer than their area times 1 + row_excess_allowed would void it, so lower() looks for them.
-    /// Otherwise reads the blocks until property 4 holds. `emits`: per patch, whether it emits in any channel.
-    /// Throws Error{bad_input} if there is no certificate: the light never ends.
+    /// Starts without a read, from reflectances alone, in each channel where this gives at most `loosest`; rows that
+    /// are longer than their area times 1 + row_excess_allowed would void it, so lower() looks for them. Otherwise
+    /// reads the blocks until property 4 holds. `emits`: per patch, whether it emits in any channel. Throws
+    /// Error{bad_input} if there is no certificate: the light never ends.
     static Adjoint certify(Transport& transport, std::span<const std::uint8_t> emits, double loosest = 100);
 
     /// Certifies by reads whatever the reflectances: needs no assumption about row sums.
@@ -40,8 +45,8 @@ class Adjoint {
     [[nodiscard]] const Channels& weight(PatchNumber patch) const { return weights_[patch]; }
 
     /// Lowers the weights of one chunk (property 2). `gathered`: sum over the patches j of all other chunks of
-    /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False if a row is longer than allowed and
-    /// the weights rely on rows not being so: then certify_by_reads() must follow before the weights are used.
+    /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False if a row is longer than allowed
+    /// and the weights rely on rows not being so: then certify_by_reads() must follow before the weights are used.
     [[nodiscard]] bool lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered);
 
   private:
@@ -63,6 +68,7 @@ void solve_adjoint_rows(const Transport& transport, const ChunkSystem& system, s
                         RowAccuracy accuracy, std::vector<Lanes>& w);
 
 /// (T_aa w)_i per patch of the chunk; spare lane: sum over j != i in the chunk of G_ij / A_i.
-std::vector<Lanes> apply_adjoint_inside(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> w);
+std::vector<Lanes> apply_adjoint_inside(const Transport& transport, const ChunkSystem& system,
+                                        std::span<const Lanes> w);
 
 }  // namespace luxel

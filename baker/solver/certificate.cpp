@@ -1,6 +1,7 @@
 #include "baker/solver/certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,7 +18,7 @@ namespace {
 
 /// w / m is at most 1 / m times the tightest certificate: from here on the shots themselves lower it faster than reads.
 constexpr double tight_margin = 0.3;
-/// After so many reads any margin is taken.
+/// After so many reads any certificate is taken.
 constexpr std::uint32_t patient_reads = 20;
 /// A margin below this share of the weight is rounding.
 constexpr double smallest_margin = 1e-9;
@@ -27,8 +28,13 @@ class Certifier {
     Certifier(Transport& transport, std::span<const std::uint8_t> emits)
         : transport_(transport),
           lit_(emits.begin(), emits.end()),
-          weights_(transport.layout().patch_count(), {1, 1, 1}),
-          gathered_(transport.layout().patch_count()) {}
+          weights_(transport.layout().patch_count()),
+          best_(transport.layout().patch_count(), no_certificate),
+          gathered_(transport.layout().patch_count()) {
+        // D - T D = 1 - sum_j F_ij rho_j, self-exchange included: what row i loses by itself.
+        for (std::size_t i = 0; i < weights_.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) weights_[i][c] = transport.self_factor(static_cast<PatchNumber>(i), c);
+    }
 
     std::optional<std::vector<Channels>> run();
     [[nodiscard]] PatchNumber worst_patch() const { return worst_patch_; }
@@ -45,12 +51,19 @@ class Certifier {
     ChunkFinding inspect(ChunkNumber chunk, bool solves_rows, CoarseSystem& coarse);
     void spread_light(ChunkNumber chunk, const ChunkSystem& system, ChunkFinding& finding);
     void forget_unlit();
+    bool keep_certificate(const Channels& margin);
 
+    static constexpr Channels no_certificate{std::numeric_limits<double>::infinity(),
+                                             std::numeric_limits<double>::infinity(),
+                                             std::numeric_limits<double>::infinity()};
     Transport& transport_;
     std::vector<std::uint8_t> lit_;  ///< light may leave the patch
     bool lit_is_final_ = false;
     std::vector<Channels> weights_;
-    std::vector<Lanes> gathered_;  ///< from other chunks: sum G rho' w; spare lane: sum G over lit ones. Then the next w.
+    std::vector<Channels> best_;  ///< the smallest certificate so far, patch by patch (property 3)
+    std::vector<Lanes>
+        gathered_;  ///< from other chunks: sum G rho' w; spare lane: sum G over lit ones. Then the next w.
+    std::array<bool, 3> has_certificate_{};
     PatchNumber worst_patch_ = 0;
 };
 
@@ -117,8 +130,22 @@ void Certifier::forget_unlit() {
     for (std::size_t i = 0; i < lit_.size(); ++i) {
         if (lit_[i]) continue;
         transport_.forget(static_cast<PatchNumber>(i));
-        weights_[i] = {1, 1, 1};
+        weights_[i] = best_[i] = {1, 1, 1};
     }
+}
+
+/// Makes a certificate of the current weights in each channel where the margin allows. True if every channel has one.
+bool Certifier::keep_certificate(const Channels& margin) {
+    bool complete = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (margin[c] > 0)
+            for (std::size_t i = 0; i < weights_.size(); ++i)
+                if (!lit_is_final_ || lit_[i])
+                    best_[i][c] = std::min(best_[i][c], weights_[i][c] / margin[c] * (1 + 1e-10));
+        has_certificate_[c] = has_certificate_[c] || margin[c] > 0;
+        complete = complete && has_certificate_[c];
+    }
+    return complete;
 }
 
 std::optional<std::vector<Channels>> Certifier::run() {
@@ -143,13 +170,9 @@ std::optional<std::vector<Channels>> Certifier::run() {
             if (*std::min_element(margin.begin(), margin.end()) < before) worst_patch_ = finding.worst_patch;
             newly_lit = newly_lit || finding.newly_lit;
         }
-        const double smallest = *std::min_element(margin.begin(), margin.end());
-        if (smallest >= tight_margin || (smallest > 0 && read >= patient_reads)) {
-            if (lit_is_final_) forget_unlit();
-            for (Channels& weight : weights_)
-                for (std::size_t c = 0; c < 3; ++c) weight[c] = weight[c] / margin[c] * (1 + 1e-10);
-            return std::move(weights_);
-        }
+        const bool is_complete = keep_certificate(margin);
+        const bool is_tight = *std::min_element(margin.begin(), margin.end()) >= tight_margin;
+        if (is_tight || (is_complete && read >= patient_reads)) return std::move(best_);
         if (solves_rows) {
             for (std::size_t i = 0; i < weights_.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c) weights_[i][c] = gathered_[i].v[c];

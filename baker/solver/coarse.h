@@ -1,11 +1,11 @@
 /// One unknown per chunk: the smallest model of how chunks exchange light, gathered for free during a read.
 ///
-/// With weights w as basis (one function per chunk, zero elsewhere) the Galerkin form of (I - T) w = 1, made symmetric by
-/// rho' A, is   (E_a - C_aa) s_a - sum_b C_ab s_b = R_a   with
+/// With weights w as basis (one function per chunk, zero elsewhere) the Galerkin form of (I - T) w = 1, made symmetric
+/// by rho' A, is   (E_a - C_aa) s_a - sum_b C_ab s_b = R_a   with
 ///     E_a = sum_a rho' A w^2,  R_a = sum_a rho' A w,  C_ab = sum_{i in a, j in b} (rho' w)_i G_ij (rho' w)_j,
 /// and s_a scales the weights of chunk a. The same matrix is that of the light equation for an irradiance
-/// s_a w in chunk a; its right-hand side is the weighted unshot power sum_a A w U. Units: m2. Memory: 24 bytes per block and chunk. Threads: the setters are called
-/// at the same time for different blocks and chunks.
+/// s_a w in chunk a; its right-hand side is the weighted unshot power sum_a A w U. Units: m2. Memory: 24 bytes per
+/// block and chunk. Threads: the setters are called at the same time for different blocks and chunks.
 #pragma once
 #include <span>
 #include <vector>
@@ -33,9 +33,9 @@ class CoarseSystem {
     void apply(std::size_t channel, const std::vector<double>& x, std::vector<double>& y) const;
 
     const Transport& transport_;
-    std::vector<Channels> coupling_;   ///< per block; unused on the diagonal
-    std::vector<Channels> diagonal_;   ///< E - C_aa per chunk
-    std::vector<Channels> right_;      ///< R per chunk
+    std::vector<Channels> coupling_;  ///< per block; unused on the diagonal
+    std::vector<Channels> diagonal_;  ///< E - C_aa per chunk
+    std::vector<Channels> right_;     ///< R per chunk
 };
 
 }  // namespace luxel

@@ -67,7 +67,7 @@ class Shooter {
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ChunkSums> sums_;
-    Channels power_{0, 0, 0};  ///< sum A B
+    Channels power_{0, 0, 0};             ///< sum A B
     std::optional<CoarseSystem> coarse_;  ///< and the shapes it is made for; only if shots alone are slow
     std::vector<Channels> shape_;
     std::uint64_t window_start_bytes_ = 0;
@@ -199,7 +199,8 @@ std::vector<Lanes> Shooter::solve_inside(const ChunkSystem& system) {
     return sent;
 }
 
-/// exchange = sum over some patches j of G_ij times what j sent: adds it to irradiance, radiosity and unshot of the chunk.
+/// exchange = sum over some patches j of G_ij times what j sent: adds it to irradiance, radiosity and unshot of the
+/// chunk.
 void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
     ChunkSums& sums = sums_[chunk];
     for (std::size_t i = 0; i < exchange.size(); ++i) {
@@ -214,8 +215,8 @@ void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
     }
 }
 
-/// Sends through all blocks of the row but the diagonal one. Each task owns the chunk it sends to, so nothing is written
-/// twice. Returns the adjoint gathered on the way: sum of G_ij rho'_j w_j, sum of G_ij in the spare lane.
+/// Sends through all blocks of the row but the diagonal one. Each task owns the chunk it sends to, so nothing is
+/// written twice. Returns the adjoint gathered on the way: sum of G_ij rho'_j w_j, sum of G_ij in the spare lane.
 std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent) {
     const std::span<const RowBlock> row = transport_.row(chunk);
     std::vector<Lanes> gathered(sent.size());
@@ -313,8 +314,8 @@ void Shooter::read_coarse_system() {
         });
 }
 
-/// Sends, from all chunks in one read, the light that the coarse model says is still to come. Like any other light that is
-/// sent it is accounted for exactly, so a poor model costs a read and nothing else.
+/// Sends, from all chunks in one read, the light that the coarse model says is still to come. Like any other light that
+/// is sent it is accounted for exactly, so a poor model costs a read and nothing else.
 void Shooter::coarse_step() {
     if (!coarse_) read_coarse_system();
     std::vector<Channels> level(sums_.size(), {0, 0, 0});  // irradiance per chunk, in units of its shape

@@ -1,9 +1,9 @@
-/// Shooting out of core: progressive refinement by chunk (Cohen, Chen, Wallace, Greenberg 1988; group form: Gortler, Cohen,
-/// Slusallek 1994), with a certified bound of the error.
+/// Shooting out of core: progressive refinement by chunk (Cohen, Chen, Wallace, Greenberg 1988; group form: Gortler,
+/// Cohen, Slusallek 1994), with a certified bound of the error.
 ///
 /// One shot: take the chunk whose unshot light counts most per byte of its row, read its diagonal block, solve the
-/// exchange inside the chunk in memory (chunk_system.h), then read the rest of its row once; every block, while it is in
-/// memory, sends the chunk's light to the other chunk and brings the other chunk's adjoint weights back (adjoint.h).
+/// exchange inside the chunk in memory (chunk_system.h), then read the rest of its row once; every block, while it is
+/// in memory, sends the chunk's light to the other chunk and brings the other chunk's adjoint weights back (adjoint.h).
 ///
 /// Error. With S what has been sent, B = M' + K S and U = B - S, the exact solution is B* = B + (I - K)^-1 K U. So
 ///     sum A |B* - B| <= sum A w |U|   and, for irradiance,   sum A |H* - H| <= sum A w |U|
@@ -11,16 +11,17 @@
 /// weighted negative part of U (what the inner solve or a coarse step overshot). It includes no rounding: beyond a
 /// relative 1e-12 or so it means nothing.
 ///
-/// Where shots bring little because light wanders from chunk to chunk many times (bright open plans, white rooms), a coarse
-/// step follows: a model with one unknown per chunk (coarse.h) tells how much light each chunk still has to send, all
-/// send it in one read, and shots go on. What is sent is accounted for exactly, so the bound needs no trust in the model.
+/// Where shots bring little because light wanders from chunk to chunk many times (bright open plans, white rooms), a
+/// coarse step follows: a model with one unknown per chunk (coarse.h) tells how much light each chunk still has to
+/// send, all send it in one read, and shots go on. What is sent is accounted for exactly, so the bound needs no trust
+/// in the model.
 ///
-/// Extremes. Each channel is divided by a power of two near its largest emission and multiplied back, which changes no bit
-/// of the mantissas. Reflectance 1 is allowed wherever light finds a way out.
-/// Result: the same bits for any number of threads and whatever the source has cached; only reads and history[].bytes_read,
-/// which say what came from the disk, depend on a cache.
-/// Memory: 168 bytes per patch with the result (88 more while coarse steps are needed), transport_batch_blocks times 3
-/// chunk vectors of 32 bytes a patch, a decoded block per thread, the diagonal block of one chunk. Errors: Error{bad_input} when the light never ends or an input is negative or not a number.
+/// Extremes. Each channel is divided by a power of two near its largest emission and multiplied back, which changes no
+/// bit of the mantissas. Reflectance 1 is allowed wherever light finds a way out. Result: the same bits for any number
+/// of threads and whatever the source has cached; only reads and history[].bytes_read, which say what came from the
+/// disk, depend on a cache. Memory: 168 bytes per patch with the result (88 more while coarse steps are needed),
+/// transport_batch_blocks times 3 chunk vectors of 32 bytes a patch, a decoded block per thread, the diagonal block of
+/// one chunk. Errors: Error{bad_input} when the light never ends or an input is negative or not a number.
 #pragma once
 #include "baker/solver/solver.h"
 

@@ -15,12 +15,12 @@ namespace luxel {
 using Channels = std::array<double, 3>;
 
 struct SolveInput {
-    std::span<const Rgb> reflectance;     ///< per patch, 0..1
-    std::span<const Channels> emission;   ///< M per patch, lm/m2: self-emission plus reflected direct light of lamps
+    std::span<const Rgb> reflectance;    ///< per patch, 0..1
+    std::span<const Channels> emission;  ///< M per patch, lm/m2: self-emission plus reflected direct light of lamps
 };
 
 struct SolveOptions {
-    double tolerance = 1e-3;  ///< stop when error_bound is at most this
+    double tolerance = 1e-3;         ///< stop when error_bound is at most this
     std::uint64_t max_reads = 1000;  ///< whole reads of the half matrix; beyond it the result is returned unconverged
     /// Called now and then with (bytes read, current bound).
     std::function<void(std::uint64_t, double)> progress;
@@ -38,7 +38,8 @@ struct SolveResult {
     /// H per patch, lm/m2, also where nothing is reflected: B = M + rho H. All 0 when no patch reflects, since then no
     /// factor is needed to know B and none is read.
     std::vector<Channels> irradiance;
-    /// Upper bound of sum A |B* - B| over sum A B*, the worst of the three channels; see shoot.h for how it is certified.
+    /// Upper bound of sum A |B* - B| over sum A B*, the worst of the three channels; see shoot.h for how it is
+    /// certified.
     double error_bound = 0;
     bool converged = false;
     double reads = 0;  ///< bytes read / bytes of the half matrix

@@ -2,9 +2,9 @@
 ///
 /// From B_i = M_i + rho_i/A_i (G_ii B_i + sum_{j != i} G_ij B_j) follows, with D_i = 1 - rho_i G_ii / A_i,
 ///     B = M' + K B,   M' = M / D,   rho' = rho / D,   K_ij = rho'_i G_ij / A_i  (i != j),   K >= 0.
-/// So the diagonal is exact and free, and its tiny negative values (the remainder of closure) leave a nonnegative system.
-/// Units: areas and G in m2, rho' without unit (may exceed 1 where a patch sees itself). Ownership: keeps references to
-/// the source and the reflectances. Threads: load() is reentrant, forget() is not.
+/// So the diagonal is exact and free, and its tiny negative values (the remainder of closure) leave a nonnegative
+/// system. Units: areas and G in m2, rho' without unit (may exceed 1 where a patch sees itself). Ownership: keeps
+/// references to the source and the reflectances. Threads: load() is reentrant, forget() is not.
 #pragma once
 #include <array>
 #include <atomic>
@@ -22,7 +22,7 @@ namespace luxel {
 struct RowBlock {
     std::size_t index = 0;  ///< in BlockSource::blocks()
     ChunkNumber other = 0;
-    bool is_a = true;       ///< the row's chunk is block.a, the other one block.b
+    bool is_a = true;  ///< the row's chunk is block.a, the other one block.b
 };
 
 class Transport {

@@ -4,6 +4,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/store/buckets.h"
+#include "baker/store/pair_sort.h"
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/strip_file.h"
 
@@ -34,10 +35,32 @@ class IdIndex {
     std::vector<Entry> entries_;
 };
 
+/// Adds to a 32-bit sum of rays; throws when it no longer fits.
+void add_rays(std::uint32_t& sum, std::uint64_t rays, const std::string& where) {
+    if (rays > 0xffffffffu - sum)
+        throw Error(ErrorCode::damaged_store, where, "a patch or a pair has 2^32 rays or more, which strips cannot hold",
+                    "bake with fewer --rays in a fresh bake folder");
+    sum += static_cast<std::uint32_t>(rays);
+}
+
+/// What one record adds to its own patch.
+struct PatchTally {
+    PatchNumber patch;
+    std::uint64_t rays;
+    std::uint32_t self, open, back;
+};
+
 struct Tallies {
     explicit Tallies(std::size_t patches) : rays(patches), self(patches), open(patches), back(patches) {}
     std::vector<std::uint32_t> rays, self, open, back;
 
+    /// `self`, `open` and `back` are parts of the rays, so they fit when the rays do.
+    void add(const PatchTally& tally, const std::string& where) {
+        add_rays(rays[tally.patch], tally.rays, where);
+        self[tally.patch] += tally.self;
+        open[tally.patch] += tally.open;
+        back[tally.patch] += tally.back;
+    }
     [[nodiscard]] StripTallies of_chunk(PatchNumber begin, PatchNumber end) const {
         const auto cut = [&](const std::vector<std::uint32_t>& all) {
             return std::vector<std::uint32_t>(all.begin() + begin, all.begin() + end);
@@ -52,31 +75,33 @@ struct Observation {
     std::uint32_t count;
 };
 
-/// Rows of one evidence block: tallies are added, pairs returned. Blocks of one patch never run at the same time.
-std::vector<Observation> read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids,
-                                    Tallies& tallies) {
+/// Rows of one evidence block by number.
+struct NumberedBlock {
+    std::vector<PatchTally> tallies;
+    std::vector<Observation> pairs;
+};
+
+NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids) {
     const std::string where = file.name() + ": block " + std::to_string(index);
     const EvidenceBlock block = decode_evidence(file.read(index), where);
     std::vector<PatchNumber> number(block.targets.size());
     for (std::size_t k = 0; k < number.size(); ++k) number[k] = ids.find(block.targets[k], where);
-    std::vector<Observation> pairs;
-    pairs.reserve(block.counts.size());
+    NumberedBlock found;
+    found.tallies.reserve(block.rows.size());
+    found.pairs.reserve(block.counts.size());
     for (const EvidenceBlock::Row& row : block.rows) {
-        const PatchNumber i = ids.find(row.patch_id, where);
-        std::uint64_t rays = std::uint64_t{row.open} + row.back;
+        PatchTally tally{ids.find(row.patch_id, where), std::uint64_t{row.open} + row.back, 0, row.open, row.back};
         for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
-            const PatchNumber j = number[block.target_index[k]];
-            rays += block.counts[k];
+            const PatchNumber i = tally.patch, j = number[block.target_index[k]];
+            tally.rays += block.counts[k];
             if (i == j)
-                tallies.self[i] += block.counts[k];
+                tally.self += block.counts[k];
             else
-                pairs.push_back({std::min(i, j), std::max(i, j), block.counts[k]});
+                found.pairs.push_back({std::min(i, j), std::max(i, j), block.counts[k]});
         }
-        tallies.rays[i] += static_cast<std::uint32_t>(rays);
-        tallies.open[i] += row.open;
-        tallies.back[i] += row.back;
+        found.tallies.push_back(tally);
     }
-    return pairs;
+    return found;
 }
 
 class Pooling {
@@ -86,21 +111,25 @@ class Pooling {
           ids_(ids),
           tallies_(ids.size()),
           memory_(std::max<std::uint64_t>(options.memory_bytes, 8 << 20)),
-          buckets_(layout.chunk_count(), memory_ / 2, options.scratch_folder) {}
+          buckets_(layout.chunk_count(), memory_ / 2, options.scratch_folder) {
+        for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) largest_chunk_ = std::max(largest_chunk_, layout.size(a));
+    }
 
     void deal(const std::filesystem::path& path, const Key& key) {
         const BlockFileReader file(path, FileKind::evidence, evidence_version, &key);
         // A few blocks at a time: decoded in parallel, dealt in order.
         constexpr std::size_t batch = 16;
-        std::vector<std::vector<Observation>> found(batch);
+        std::vector<NumberedBlock> found(batch);
         for (std::size_t begin = 0; begin < file.blocks().size(); begin += batch) {
             const std::size_t count = std::min(batch, file.blocks().size() - begin);
-            parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_, tallies_); });
-            for (std::size_t k = 0; k < count; ++k)
-                for (const Observation& pair : found[k]) {
+            parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_); });
+            for (std::size_t k = 0; k < count; ++k) {
+                for (const PatchTally& tally : found[k].tallies) tallies_.add(tally, file.name());
+                for (const Observation& pair : found[k].pairs) {
                     const ChunkNumber a = layout_.chunk_of(pair.low), b = layout_.chunk_of(pair.high);
                     buckets_.add(a, b, pair.low - layout_.first_patch[a], pair.high - layout_.first_patch[b], pair.count);
                 }
+            }
             buckets_.settle();
         }
     }
@@ -108,7 +137,7 @@ class Pooling {
     void write_strip(ChunkNumber a, const std::filesystem::path& path, const Key& key) {
         StripWriter strip(path, key, tallies_.of_chunk(layout_.first_patch[a], layout_.first_patch[a + 1]));
         // Sorting takes as many passes over the bucket as its size demands, each for a range of b.
-        const std::uint64_t room = std::max<std::uint64_t>(memory_ / 2 / sizeof(PackedPair), 1);
+        const std::uint64_t room = std::max<std::uint64_t>(memory_ / 4 / sizeof(PackedPair), 1);
         for (ChunkNumber begin = a; begin < layout_.chunk_count();) {
             const ChunkNumber end = buckets_.size(a) <= room ? layout_.chunk_count() : range_end(a, begin, room);
             std::vector<PackedPair> pairs;
@@ -116,7 +145,7 @@ class Pooling {
                 for (const PackedPair pair : run)
                     if (pair_chunk(pair) >= begin && pair_chunk(pair) < end) pairs.push_back(pair);
             });
-            std::sort(pairs.begin(), pairs.end());
+            sort_pairs(pairs, layout_.chunk_count(), largest_chunk_);
             append_blocks(a, pairs, strip);
             begin = end;
         }
@@ -160,12 +189,12 @@ class Pooling {
         block.columns = layout_.size(pair_chunk(pairs.front()));
         block.row_begin.assign(block.rows + 1, 0);
         for (std::size_t k = 0; k < pairs.size();) {
-            std::uint64_t sum = 0;
+            std::uint32_t sum = 0;
             const std::uint64_t place = pair_place(pairs[k]);
-            while (k < pairs.size() && pair_place(pairs[k]) == place) sum += pair_count(pairs[k++]);
+            while (k < pairs.size() && pair_place(pairs[k]) == place) add_rays(sum, pair_count(pairs[k++]), "pooling");
             ++block.row_begin[((place >> 16) & 0xffff) + 1];
             block.column.push_back(static_cast<std::uint16_t>(place & 0xffff));
-            block.count.push_back(static_cast<std::uint32_t>(sum));
+            block.count.push_back(sum);
         }
         for (std::uint32_t row = 0; row < block.rows; ++row) block.row_begin[row + 1] += block.row_begin[row];
         return block;
@@ -175,6 +204,7 @@ class Pooling {
     IdIndex ids_;
     Tallies tallies_;
     std::uint64_t memory_;
+    std::uint32_t largest_chunk_ = 1;
     PairBuckets buckets_;
 };
 

@@ -1,4 +1,5 @@
-/// The one place that knows whether Embree 3 or 4 is there. Included by tracer.cpp only.
+/// The one place that knows whether Embree 3 or 4 is there. Included by tracer.cpp, and by the benchmark
+/// that measures what tracer.cpp costs.
 #pragma once
 #if LUXEL_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>

@@ -10,23 +10,14 @@
 namespace luxel {
 
 /// Bound of the rounding error of a point whose corners have coordinates of at most `extent` (m), per component.
-/// Twice gamma(7): the intersector computes with the same corners once more.
-inline float position_error(float extent) { return 2 * 7 * 0x1p-24f * extent; }
+/// Twice gamma(7), because the intersector computes with the same corners once more, and one step for the sum below.
+inline float position_error(float extent) { return (2 * 7 + 2) * 0x1p-24f * extent; }
 
-/// `point` moved along the unit normal (the side that the ray leaves to) by its error bound, rounded outwards.
+/// `point` moved along the unit normal (the side that the ray leaves to) by its error bound.
 inline Vec3f offset_origin(const Vec3f& point, const Vec3f& normal) {
-    Vec3f origin;
     // The bound in the direction of the normal: sum of |n_k| * error_k.
     const float extent = std::max({std::fabs(point.x), std::fabs(point.y), std::fabs(point.z)});
-    const float distance =
-        position_error(extent) * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
-    for (int k = 0; k < 3; ++k) {
-        const float moved = point[k] + normal[k] * distance;
-        origin[k] = normal[k] > 0   ? std::nextafter(moved, INFINITY)
-                    : normal[k] < 0 ? std::nextafter(moved, -INFINITY)
-                                    : moved;
-    }
-    return origin;
+    return point + normal * (position_error(extent) * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z)));
 }
 
 }  // namespace luxel

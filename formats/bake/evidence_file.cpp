@@ -3,45 +3,41 @@
 #include <algorithm>
 
 namespace luxel {
-namespace {
 
-std::vector<std::uint64_t> target_table(std::span<const EvidenceRecord> records) {
-    std::vector<std::uint64_t> table;
+EvidenceBlock block_of(std::span<const EvidenceRecord> records) {
+    EvidenceBlock block;
     for (const EvidenceRecord& record : records)
-        table.insert(table.end(), record.target_id.begin(), record.target_id.end());
-    std::sort(table.begin(), table.end());
-    table.erase(std::unique(table.begin(), table.end()), table.end());
-    return table;
-}
-
-/// Positions of a record's targets in the table; both ascend.
-void put_targets(ByteWriter& out, const EvidenceRecord& record, std::span<const std::uint64_t> table) {
-    std::uint64_t expected = 0;
-    std::size_t at = 0;
-    for (const std::uint64_t id : record.target_id) {
-        at = static_cast<std::size_t>(std::lower_bound(table.begin() + static_cast<std::ptrdiff_t>(at), table.end(), id) -
-                                      table.begin());
-        out.put_varint(at - expected);
-        expected = at + 1;
+        block.targets.insert(block.targets.end(), record.target_id.begin(), record.target_id.end());
+    std::sort(block.targets.begin(), block.targets.end());
+    block.targets.erase(std::unique(block.targets.begin(), block.targets.end()), block.targets.end());
+    for (const EvidenceRecord& r : records) {
+        block.rows.push_back({r.patch_id, r.replicate, r.first_level, r.last_level, r.open, r.back,
+                              static_cast<std::uint32_t>(block.counts.size()), static_cast<std::uint32_t>(r.count.size())});
+        for (const std::uint64_t id : r.target_id)
+            block.target_index.push_back(static_cast<std::uint32_t>(
+                std::lower_bound(block.targets.begin(), block.targets.end(), id) - block.targets.begin()));
+        block.counts.insert(block.counts.end(), r.count.begin(), r.count.end());
     }
+    return block;
 }
 
-}  // namespace
-
-Bytes encode_evidence(std::span<const EvidenceRecord> records) {
-    const std::vector<std::uint64_t> table = target_table(records);
+Bytes encode_evidence(const EvidenceBlock& block) {
     ByteWriter out;
-    out.put_varint(records.size());
-    out.put_varint(table.size());
-    out.put_array(std::span<const std::uint64_t>(table));
+    out.put_varint(block.rows.size());
+    out.put_varint(block.targets.size());
+    out.put_array(std::span<const std::uint64_t>(block.targets));
     // Column by column: equal kinds of numbers beside each other compress better.
-    for (const EvidenceRecord& r : records) out.put(r.patch_id);
-    for (const EvidenceRecord& r : records) out.put(r.replicate), out.put(r.first_level), out.put(r.last_level);
-    for (const EvidenceRecord& r : records)
-        out.put_varint(r.open), out.put_varint(r.back), out.put_varint(r.target_id.size());
-    for (const EvidenceRecord& r : records) put_targets(out, r, table);
-    for (const EvidenceRecord& r : records)
-        for (const std::uint32_t count : r.count) out.put_varint(count);
+    for (const EvidenceBlock::Row& r : block.rows) out.put(r.patch_id);
+    for (const EvidenceBlock::Row& r : block.rows) out.put(r.replicate), out.put(r.first_level), out.put(r.last_level);
+    for (const EvidenceBlock::Row& r : block.rows) out.put_varint(r.open), out.put_varint(r.back), out.put_varint(r.count);
+    for (const EvidenceBlock::Row& r : block.rows) {
+        std::uint64_t expected = 0;
+        for (std::uint32_t k = r.first; k < r.first + r.count; ++k) {
+            out.put_varint(block.target_index[k] - expected);
+            expected = std::uint64_t{block.target_index[k]} + 1;
+        }
+    }
+    for (const std::uint32_t count : block.counts) out.put_varint(count);
     return out.take();
 }
 

@@ -47,8 +47,12 @@ struct EvidenceBlock {
 
 constexpr std::uint32_t evidence_version = 1;
 
-/// One block's bytes (before compression) from records in the given order. Pure.
-Bytes encode_evidence(std::span<const EvidenceRecord> records);
+/// Records in the given order with one table of targets. Pure.
+EvidenceBlock block_of(std::span<const EvidenceRecord> records);
+
+/// One block's bytes before compression. Requires a valid block. Pure.
+Bytes encode_evidence(const EvidenceBlock& block);
+inline Bytes encode_evidence(std::span<const EvidenceRecord> records) { return encode_evidence(block_of(records)); }
 
 /// Validates everything: order, bounds, counts > 0, sums equal to the ray count. Throws Error{damaged_store}.
 EvidenceBlock decode_evidence(ByteView raw, const std::string& where);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "formats/gltf/gltf_accessor.h"
 #include "formats/gltf/gltf_json.h"
@@ -13,7 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::size_t deepest_node = 1024;  ///< the walk recurses; no real scene comes near
+/// Paths grow with depth, so a chain costs the square of its length. No real scene comes near.
+constexpr std::size_t deepest_node = 1024;
 
 /// Row-vector matrix of scale, then rotation (x, y, z, w; any length), then translation.
 Imath::M44d trs_matrix(const std::array<double, 3>& t, const std::array<double, 4>& q, const std::array<double, 3>& s) {
@@ -63,9 +64,21 @@ class NodeWalk {
     NodeWalk(const GltfDocument& document, SceneRecord& record)
         : document_(document), record_(record), node_count_(gltf_count(document.json, "nodes")), state_(node_count_) {}
 
+    /// Depth first, with a stack of its own: the depth of a file must not cost the program's.
     void walk(const json& roots, const std::string& where) {
-        std::set<std::string> used;
-        for (const json& root : roots) visit(root, "", Imath::M44d(), used, 0, where);
+        std::vector<Level> levels;
+        levels.emplace_back();
+        levels.back().children = &roots;
+        levels.back().where = where;
+        while (!levels.empty()) {
+            if (levels.back().next == levels.back().children->size()) {
+                if (levels.back().node >= 0) state_[static_cast<std::size_t>(levels.back().node)] = State::done;
+                levels.pop_back();
+            } else {
+                Level inner = enter(levels.back(), levels.size());
+                levels.push_back(std::move(inner));
+            }
+        }
     }
 
     /// Nodes that are nobody's child, for a file without scenes.
@@ -86,6 +99,16 @@ class NodeWalk {
   private:
     enum class State : std::uint8_t { unseen, open, done };
 
+    /// An open node, or the scene itself (node -1), and how far its children are done.
+    struct Level {
+        std::int64_t node = -1;
+        const json* children = nullptr;
+        std::size_t next = 0;
+        std::string path, where;
+        Imath::M44d world;
+        std::map<std::string, int> used_names;  ///< of children seen so far, with the last number tried for each
+    };
+
     std::int64_t claim(const json& index, const std::string& where, std::size_t depth) {
         const std::uint64_t n = json_value_size(index, "node", where);
         if (n >= node_count_)
@@ -100,27 +123,29 @@ class NodeWalk {
     }
 
     /// "chair", "chair:1" ...: unique among the siblings seen so far.
-    static std::string sibling_name(const json& node, std::int64_t n, std::set<std::string>& used, const std::string& where) {
+    static std::string sibling_name(const json& node, std::int64_t n, std::map<std::string, int>& used,
+                                    const std::string& where) {
         std::string name = escaped(json_text(node, "name", "", where));
         if (name.empty()) name.append(1, '#').append(std::to_string(n));
         std::string unique = name;
-        for (int copy = 1; !used.insert(unique).second; ++copy) unique = name + ':' + std::to_string(copy);
+        while (!used.emplace(unique, 0).second) unique = name + ':' + std::to_string(++used[name]);
         return unique;
     }
 
-    void visit(const json& index, const std::string& parent_path, const Imath::M44d& parent, std::set<std::string>& siblings,
-               std::size_t depth, const std::string& parent_name) {
-        const std::int64_t n = claim(index, parent_name, depth);
+    /// Reads the next child of `parent` and gives the level of that child's own children.
+    Level enter(Level& parent, std::size_t depth) {
+        const std::int64_t n = claim((*parent.children)[parent.next++], parent.where, depth);
         state_[static_cast<std::size_t>(n)] = State::open;
         const json& node = gltf_item(document_.json, "nodes", n, document_.name);
-        const std::string where = document_.name + ": " + gltf_name(node, "node", n);
-        const std::string path = parent_path + "/" + sibling_name(node, n, siblings, where);
-        const Imath::M44d world = local_matrix(node, where) * parent;
-        add_mesh(node, n, path, world, where);
-        add_lamp(node, path, world, where);
-        std::set<std::string> used;
-        for (const json& child : json_array(node, "children", where)) visit(child, path, world, used, depth + 1, where);
-        state_[static_cast<std::size_t>(n)] = State::done;
+        Level level;
+        level.node = n;
+        level.where = document_.name + ": " + gltf_name(node, "node", n);
+        level.path = parent.path + '/' + sibling_name(node, n, parent.used_names, level.where);
+        level.world = local_matrix(node, level.where) * parent.world;
+        level.children = &json_array(node, "children", level.where);
+        add_mesh(node, n, level.path, level.world, level.where);
+        add_lamp(node, level.path, level.world, level.where);
+        return level;
     }
 
     void add_mesh(const json& node, std::int64_t n, const std::string& path, const Imath::M44d& world,

@@ -6,14 +6,14 @@
 /// Added    TEXCOORD_1 with the lightmap layout; per (material, page) a clone of the material with MOZ_lightmap
 ///          { index, texCoord: 1, intensity, extras: { quantity, unit, encoding } }; a texture and a picture per page;
 ///          asset.extras.luxel { version }. "MOZ_lightmap" goes to extensionsUsed, never to extensionsRequired.
-/// Changed  Vertices are split where charts are cut: one per distinct (old vertex, lightmap coordinate). A primitive
-/// whose
-///          triangles lie on several pages becomes one primitive per page. Strips and fans become triangles. A mesh
+/// Changed  Vertices are split where charts are cut: one per distinct (old vertex, lightmap coordinate). A primitive on
+///          several pages becomes one primitive per page. Strips and fans become triangles. A mesh
 ///          that several nodes show is copied per node, since every node has its own light; equal arrays are stored
 ///          once. A TEXCOORD_1 of the input moves to the next free set (materials that use it follow), except where
-///          only an earlier MOZ_lightmap used it. Meshopt and Draco data is written decoded; quantized attributes stay
-///          quantized. Pictures outside a GLB are embedded. Arrays that only replaced primitives used are removed,
-///          unless an extension that is unknown here might refer to them by number.
+///          only an earlier MOZ_lightmap used it; a missing TEXCOORD_0 is added, as sets must not have gaps. Meshopt
+///          and Draco data is written decoded; quantized attributes stay quantized. Pictures outside a GLB are
+///          embedded. Arrays that only replaced primitives used are removed, unless an extension that is unknown here
+///          might refer to them by number.
 /// Errors   Error{cannot_write} (disk full, a folder as output, more than 4 GiB in a GLB): nothing partial is left.
 ///          Error{internal}: the layout does not fit the record. Error{bad_input}: an array cannot be read.
 /// Threads  pure function of its arguments; the same arguments give the same bytes.

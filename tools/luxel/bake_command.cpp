@@ -6,6 +6,8 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <bit>
+#include <cmath>
+#include <cstdlib>
 #include <memory>
 
 #include "baker/bake/bake.h"
@@ -35,6 +37,15 @@ struct Arguments {
     bool quiet = false;
 };
 
+/// Refuses what a range check lets through: not-a-number compares with nothing.
+const CLI::Validator finite(
+    [](std::string& text) { return std::isnan(std::strtod(text.c_str(), nullptr)) ? "expected a number" : std::string(); },
+    "", "finite");
+
+/// Refuses a sign: an unsigned number would silently wrap around.
+const CLI::Validator unsigned_number(
+    [](std::string& text) { return text.starts_with('-') ? "expected 0 or more" : std::string(); }, "", "unsigned");
+
 /// "256M" -> bytes. Suffixes K, M, G are powers of 1024.
 std::uint64_t parse_bytes(const std::string& text) {
     const auto refuse = [&] {
@@ -43,14 +54,16 @@ std::uint64_t parse_bytes(const std::string& text) {
     std::size_t digits = 0;
     while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
     if (digits == 0 || digits > 12 || text.size() > digits + 1) throw refuse();
-    std::uint64_t bytes = std::stoull(text.substr(0, digits));
+    const std::uint64_t bytes = std::stoull(text.substr(0, digits));
+    int shift = 0;
     if (text.size() == digits + 1) switch (text[digits]) {
-            case 'K': case 'k': bytes <<= 10; break;
-            case 'M': case 'm': bytes <<= 20; break;
-            case 'G': case 'g': bytes <<= 30; break;
+            case 'K': case 'k': shift = 10; break;
+            case 'M': case 'm': shift = 20; break;
+            case 'G': case 'g': shift = 30; break;
             default: throw refuse();
         }
-    return bytes;
+    if (bytes >> (63 - shift)) throw refuse();
+    return bytes << shift;
 }
 
 BakeOptions resolve(const Arguments& a, const CLI::App& command) {
@@ -142,13 +155,13 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 256 / 1024)")
         ->check(CLI::Range(0u, 1u << 20))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
-        ->check(CLI::Range(1e-12, 1.0))->group("Quality");
+        ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
     command.add_option("--interpolation", a.interpolation, "of drafts")
         ->check(CLI::IsMember({"constant", "linear"}))->capture_default_str()->group("Quality");
     command.add_option("--texels-per-metre", a.texels_per_metre, "density of the lightmap; 0: about half a page for the scene")
-        ->check(CLI::Range(0.0, 1e9))->capture_default_str()->group("Lightmap");
+        ->check(finite)->check(CLI::Range(0.0, 1e9))->capture_default_str()->group("Lightmap");
     command.add_option("--atlas-size", a.atlas_size, "side of a page in texels")
         ->check(CLI::Range(16u, 16384u))->capture_default_str()->group("Lightmap");
     command.add_option("--padding", a.padding, "free texels around charts")
@@ -163,7 +176,7 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 1024u))->capture_default_str()->group("Running");
     command.add_option("--chunk-patches", a.chunk_patches, "patches per chunk at most")
         ->check(CLI::Range(16u, 65536u))->capture_default_str()->group("Running");
-    command.add_option("--seed", a.seed, "of all sample patterns")->capture_default_str()->group("Running");
+    command.add_option("--seed", a.seed, "of all sample patterns")->check(unsigned_number)->capture_default_str()->group("Running");
     command.add_option("--work", a.work, "bake folder: kept, and reused by the next run")->type_name("DIR")->group("Running");
     command.add_option("--report", a.report, "write what was done as JSON")->type_name("FILE")->group("Running");
     command.add_flag("-q,--quiet", a.quiet, "no progress, no summary")->group("Running");

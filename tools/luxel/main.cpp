@@ -10,9 +10,24 @@
 
 namespace {
 
+/// What to do where the place that found the fault has nothing better to say.
+const char* usual_hint(luxel::ErrorCode code) {
+    switch (code) {
+        case luxel::ErrorCode::usage: return "luxel bake --help lists all options";
+        case luxel::ErrorCode::bad_input: return "the file is damaged or does not follow its format; export it again";
+        case luxel::ErrorCode::not_in_build: return "build luxel with this part";
+        case luxel::ErrorCode::cannot_write: return "check the path, its permissions and the free space";
+        case luxel::ErrorCode::damaged_store: return "remove the file and run the same command again";
+        case luxel::ErrorCode::stopped_early: return "allow more reads or a larger tolerance";
+        case luxel::ErrorCode::budget_too_small: return "use a larger --memory";
+        case luxel::ErrorCode::internal: break;
+    }
+    return "this is a fault of luxel; please report it";
+}
+
 int report(const luxel::Error& error) {
     std::fprintf(stderr, "luxel: error: %s: %s\n", error.where.c_str(), error.what_text.c_str());
-    if (!error.hint.empty()) std::fprintf(stderr, "       %s\n", error.hint.c_str());
+    std::fprintf(stderr, "       %s\n", error.hint.empty() ? usual_hint(error.code) : error.hint.c_str());
     return static_cast<int>(error.code);
 }
 
@@ -43,6 +58,6 @@ int main(int argc, char** argv) {
     } catch (const std::bad_alloc&) {
         return report({luxel::ErrorCode::internal, "memory", "the system has no more memory", "use a smaller --memory"});
     } catch (const std::exception& error) {
-        return report({luxel::ErrorCode::internal, "luxel", error.what(), "this is a fault of luxel; please report it"});
+        return report({luxel::ErrorCode::internal, "luxel", error.what()});
     }
 }

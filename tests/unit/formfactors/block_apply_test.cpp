@@ -81,7 +81,8 @@ TEST_P(BlockApply, DiagonalBlockIsSymmetric) {
     std::vector<Lanes> whole(41), parts(41);
     apply_diagonal(s.block, 0, 41, x, whole);
     expect_near(whole, wanted);
-    for (const std::size_t first : {0u, 20u, 33u}) apply_diagonal(s.block, first, first == 0 ? 20 : first == 20 ? 33 : 41, x, parts);
+    for (const std::size_t first : {0u, 20u, 33u})
+        apply_diagonal(s.block, first, first == 0 ? 20 : first == 20 ? 33 : 41, x, parts);
     expect_near(parts, wanted);
 }
 

@@ -16,7 +16,8 @@ namespace {
 /// Rays of a scene whose exact factors are known: F_ij in proportion to A_j (the inside of a sphere), times 1 - open.
 class Simulated final : public CountSource {
   public:
-    Simulated(std::size_t patches, std::size_t chunk_patches, double open, std::uint64_t rays_per_patch, unsigned seed) {
+    Simulated(std::size_t patches, std::size_t chunk_patches, double open, std::uint64_t rays_per_patch,
+              unsigned seed) {
         std::mt19937_64 random(seed);
         std::uniform_real_distribution<double> uniform(0.1, 2.0);
         for (std::size_t i = 0; i < patches; ++i) area_m2.push_back(uniform(random));
@@ -30,9 +31,12 @@ class Simulated final : public CountSource {
         for (std::size_t i = 0; i < patches; ++i)
             for (std::uint64_t ray = 0; ray < rays[i]; ++ray) {
                 const std::size_t j = target(random);
-                if (leaves(random)) ++open_hits[i];
-                else if (i == j) ++self_hits[i];
-                else ++counts_[{std::min(i, j), std::max(i, j)}];
+                if (leaves(random))
+                    ++open_hits[i];
+                else if (i == j)
+                    ++self_hits[i];
+                else
+                    ++counts_[{std::min(i, j), std::max(i, j)}];
             }
         for (std::size_t first = 0; first < patches; first += chunk_patches)
             layout_.first_patch.push_back(static_cast<PatchNumber>(std::min(patches, first + chunk_patches)));
@@ -89,10 +93,11 @@ TEST(Closure, RowsAreExactOpenAndClosed) {
             const Closure closure = close_rows(scene, scene.input(), {.iterations = iterations, .tolerance = 0});
             const std::vector<double> rows = scene.rows(closure);
             for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_NEAR(rows[i] / scene.area_m2[i], 1.0, 1e-14);
-            std::printf("open %.2f, %2u iterations: largest row error %.2g -> %.2g, mean %.2g -> %.2g, remainder %.2g\n",
-                        open, iterations, closure.report.max_row_error_before, closure.report.max_row_error_after,
-                        closure.report.mean_row_error_before, closure.report.mean_row_error_after,
-                        closure.report.remainder_share);
+            std::printf(
+                "open %.2f, %2u iterations: largest row error %.2g -> %.2g, mean %.2g -> %.2g, remainder %.2g\n", open,
+                iterations, closure.report.max_row_error_before, closure.report.max_row_error_after,
+                closure.report.mean_row_error_before, closure.report.mean_row_error_after,
+                closure.report.remainder_share);
             if (iterations == 16) {
                 EXPECT_LT(closure.report.max_row_error_after, 1e-3);
             }

@@ -76,8 +76,10 @@ TEST(Adjoint, LoweringAChunkKeepsTheCertificateAndTightensIt) {
             source[i].v[3] = 1;
         }
         transport.load(transport.row(chunk)[0].index, block);
-        if (chunk == 0) gather_rows(block, source, gathered);
-        else scatter_columns(block, source, gathered);
+        if (chunk == 0)
+            gather_rows(block, source, gathered);
+        else
+            scatter_columns(block, source, gathered);
         EXPECT_TRUE(adjoint.lower(transport, system, gathered));
         const Quality now = quality(matrix, transport, weight);
         EXPECT_GE(now.margin, 1.0);
@@ -89,7 +91,8 @@ TEST(Adjoint, LoweringAChunkKeepsTheCertificateAndTightensIt) {
 
 TEST(Adjoint, CertificateByReadsIsTightWithinFewReads) {
     for (const std::size_t rooms : {1u, 4u, 32u}) {
-        test::Matrix matrix = test::random_matrix({.patches = 320, .chunk_patches = 10, .rooms = rooms, .door = 1e-3}, 3);
+        test::Matrix matrix =
+            test::random_matrix({.patches = 320, .chunk_patches = 10, .rooms = rooms, .door = 1e-3}, 3);
         // A row of rooms: only neighbours see each other, and the last one has an opening.
         std::erase_if(matrix.pairs, [&](const ExchangePair& pair) {
             const auto room = [&](PatchNumber i) { return static_cast<long>(i * rooms / 320); };

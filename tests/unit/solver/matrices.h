@@ -22,7 +22,8 @@ struct Matrix {
         const auto n = static_cast<Eigen::Index>(count());
         Eigen::MatrixXd g = Eigen::MatrixXd::Zero(n, n);
         for (Eigen::Index i = 0; i < n; ++i) g(i, i) = diagonal_m2[static_cast<std::size_t>(i)];
-        for (const ExchangePair& pair : pairs) g(pair.i, pair.j) = g(pair.j, pair.i) = static_cast<double>(pair.area_m2);
+        for (const ExchangePair& pair : pairs)
+            g(pair.i, pair.j) = g(pair.j, pair.i) = static_cast<double>(pair.area_m2);
         return g;
     }
     [[nodiscard]] std::vector<double> row_open_m2() const {
@@ -46,10 +47,10 @@ inline ChunkLayout even_layout(std::size_t patch_count, std::size_t chunk_patche
 
 struct RandomMatrix {
     std::size_t patches = 50, chunk_patches = 16;
-    double density = 0.5;         ///< share of pairs that see each other
-    double area_decades = 0;      ///< areas are 10^-x m2, x uniform in [0, area_decades]
-    bool closed = true;           ///< what a row lacks goes to the diagonal, else into the open
-    std::size_t rooms = 1;        ///< rooms exchange `door` of what they exchange inside
+    double density = 0.5;     ///< share of pairs that see each other
+    double area_decades = 0;  ///< areas are 10^-x m2, x uniform in [0, area_decades]
+    bool closed = true;       ///< what a row lacks goes to the diagonal, else into the open
+    std::size_t rooms = 1;    ///< rooms exchange `door` of what they exchange inside
     double door = 0.01;
 };
 

@@ -63,7 +63,8 @@ TEST(Shoot, AgreesWithDenseSolutionWithinItsBound) {
             EXPECT_LE(result.error_bound, 1e-3);
             EXPECT_LE(error, result.error_bound);
             std::printf("rho <= %.2f %s: %.2f reads, bound %.2g, true %.2g, ratio %.1f\n", static_cast<double>(highest),
-                        closed ? "closed" : "open", result.reads, result.error_bound, error, result.error_bound / error);
+                        closed ? "closed" : "open", result.reads, result.error_bound, error,
+                        result.error_bound / error);
         }
 }
 
