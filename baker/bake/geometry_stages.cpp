@@ -26,7 +26,7 @@ std::optional<DecodedImage> decode(ByteView bytes, const std::string& name) {
 }
 
 /// Parts of glTF that are read and carried through, but do not yet take part in the light.
-void warn_of_simplifications(const Scene& scene, const SceneRecord& record, std::vector<Warning>& warnings) {
+void warn_of_simplifications(const Scene& scene, std::vector<Warning>& warnings) {
     std::vector<bool> used(scene.materials.size());
     for (const Object& object : scene.objects) used[object.material] = true;
     for (std::size_t m = 0; m < scene.materials.size(); ++m)
@@ -34,9 +34,6 @@ void warn_of_simplifications(const Scene& scene, const SceneRecord& record, std:
             warnings.push_back({"alpha-opaque", scene.materials[m].name,
                                 "alpha " + std::string(scene.materials[m].alpha_mode == AlphaMode::mask ? "MASK" : "BLEND") +
                                     " counts as opaque for light"});
-    for (const MaterialRecord& material : record.materials)
-        if (material.transmission > 0)
-            warnings.push_back({"transmission-opaque", material.name, "transmission counts as opaque for light"});
 }
 
 Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
@@ -56,7 +53,7 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
     g.scene = build_scene(g.record, decode, {}, report.warnings);
-    warn_of_simplifications(g.scene, g.record, report.warnings);
+    warn_of_simplifications(g.scene, report.warnings);
     if (g.scene.triangles.empty())
         throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",
                     "nothing can be baked; check that the default scene shows a mesh");

@@ -22,19 +22,20 @@ struct RayBatch {
 };
 
 /// Rays from a parallelogram: one frame and one triangle for all of them.
-void aim_flat(const Parallelogram& flat, std::size_t count, RayBatch& b) {
+void aim_flat(const Scene& scene, const Parallelogram& flat, std::size_t count, RayBatch& b) {
     const Frame frame(flat.normal);
+    const Vec3f offset = flat.normal * offset_distance(flat.normal, scene.corner_extent(flat.triangle));
     for (std::size_t k = 0; k < count; ++k) {
         const Vec3f at = flat.origin + flat.side_u * b.points[0][k] + flat.side_v * b.points[1][k];
-        b.rays[k] = {offset_origin(at, flat.normal), frame.to_world({b.x[k], b.y[k], b.z[k]}), flat.triangle};
+        b.rays[k] = {at + offset, frame.to_world({b.x[k], b.y[k], b.z[k]}), flat.triangle};
     }
 }
 
-void aim(const SurfaceSampler& sampler, std::size_t count, RayBatch& b) {
+void aim(const Scene& scene, const SurfaceSampler& sampler, std::size_t count, RayBatch& b) {
     for (std::size_t k = 0; k < count; ++k) {
         const SurfacePoint at = sampler.point(b.points[0][k], b.points[1][k]);
-        b.rays[k] = {offset_origin(at.position, at.normal), Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]}),
-                     at.triangle};
+        b.rays[k] = {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)),
+                     Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]}), at.triangle};
     }
 }
 
@@ -64,7 +65,7 @@ class RayEstimator final : public Estimator {
     [[nodiscard]] std::uint32_t replicate_count() const override { return options_.replicates; }
 
     [[nodiscard]] Key identity() const override {
-        return KeyBuilder("ray estimator 1")
+        return KeyBuilder("ray estimator 2")
             .text(tracer_identity())
             .integer(static_cast<std::int64_t>(options_.seed))
             .integer(options_.replicates)
@@ -80,9 +81,9 @@ class RayEstimator final : public Estimator {
         const std::size_t skip = begin - first, count = last - first;
         cosine_directions(b.points[2], b.points[3], b.x.data(), b.y.data(), b.z.data());
         if (const Parallelogram* flat = sampler.flat())
-            aim_flat(*flat, count, b);
+            aim_flat(scene_, *flat, count, b);
         else
-            aim(sampler, count, b);
+            aim(scene_, sampler, count, b);
         const std::span<TraceHit> hits(b.hits.data() + skip, count - skip);
         tracer_.first_hits({b.rays.data() + skip, count - skip}, hits);
         for (const TraceHit& hit : hits) {

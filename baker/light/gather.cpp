@@ -50,7 +50,8 @@ class TexelGather {
                 const Vec3f direction = Frame(sampler.shading_normal(at)).to_world(cosine_direction(u[2], u[3]));
                 // Below the true surface there is only the inside of the object.
                 if (direction.dot(at.normal) <= 0) continue;
-                rays[count++] = {offset_origin(at.position, at.normal), direction, at.triangle};
+                rays[count++] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
+                                 at.triangle};
             }
             in_.tracer.first_hits({rays.data(), count}, {hits.data(), count});
             for (std::size_t k = 0; k < count; ++k) {

@@ -45,7 +45,7 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
 
 bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
     TraceRay ray;
-    ray.origin = offset_origin(at.position, at.geometric_normal);
+    ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
     ray.from_triangle = at.triangle;
     float distance = INFINITY;
     if (lamp.kind == LampKind::directional) {

@@ -1,5 +1,7 @@
 #include "baker/light/patch_irradiance.h"
 
+#include <algorithm>
+
 #include "baker/formfactors/block_apply.h"
 
 namespace luxel {
@@ -27,7 +29,9 @@ std::vector<Rgb> patch_irradiance(BlockSource& source, std::span<const std::arra
     std::vector<Rgb> irradiance(radiosity.size());
     for (std::size_t p = 0; p < irradiance.size(); ++p)
         for (int c = 0; c < 3; ++c)
-            irradiance[p][c] = static_cast<float>(arrived[p].v[c] / source.area_m2()[p]) + lamp_irradiance[p][c];
+            // A diagonal is slightly negative where closure took something back: light is not.
+            irradiance[p][c] =
+                static_cast<float>(std::max(arrived[p].v[c], 0.0) / source.area_m2()[p]) + lamp_irradiance[p][c];
     return irradiance;
 }
 

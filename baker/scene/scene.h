@@ -1,7 +1,9 @@
 /// The scene as every later stage sees it: clean triangles in world metres, materials, decoded textures, lamps.
 /// Built once, then const. No stage writes to it. Units: core/units.h.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -93,6 +95,13 @@ struct Scene {
     [[nodiscard]] double area_m2(std::uint32_t triangle) const { return 0.5 * area_vector(triangle).length(); }
     [[nodiscard]] Vec3f geometric_normal(std::uint32_t triangle) const {
         return to_float(area_vector(triangle).normalized());
+    }
+    /// Per axis the largest absolute coordinate of the corners, m: what the rounding error of any point made of them is
+    /// bound by.
+    [[nodiscard]] Vec3f corner_extent(std::uint32_t triangle) const {
+        const Vec3f &a = corner(triangle, 0), &b = corner(triangle, 1), &c = corner(triangle, 2);
+        const auto largest = [](float x, float y, float z) { return std::max({std::fabs(x), std::fabs(y), std::fabs(z)}); };
+        return {largest(a.x, b.x, c.x), largest(a.y, b.y, c.y), largest(a.z, b.z, c.z)};
     }
     /// Resident bytes of all arrays: the geometry that --memory does not count.
     [[nodiscard]] std::uint64_t resident_bytes() const;

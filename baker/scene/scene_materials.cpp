@@ -126,11 +126,14 @@ std::array<float, 6> limited_transform(const std::array<double, 6>& transform, b
     return out;
 }
 
+double unit_share(double value) { return std::clamp(std::isfinite(value) ? value : 0.0, 0.0, 1.0); }
+
 Material convert_material(const MaterialRecord& record, const std::string& where, std::vector<Warning>& warnings) {
     Material material;
     material.name = record.name;
     bool reflectance_changed = false, emission_changed = false, other_changed = false;
-    const double kept = 1.0 - std::clamp(std::isfinite(record.transmission) ? record.transmission : 0.0, 0.0, 1.0);
+    // What mirrors or passes through is not diffuse: base colour * (1 - metallic) as glTF's appendix B.3.5 has it.
+    const double kept = (1.0 - unit_share(record.transmission)) * (1.0 - unit_share(record.metallic));
     for (int c = 0; c < 3; ++c) {
         const auto i = static_cast<std::size_t>(c);
         material.reflectance[c] = limited(record.base_color[i], 1.0, reflectance_changed) * static_cast<float>(kept);
@@ -158,6 +161,10 @@ Material convert_material(const MaterialRecord& record, const std::string& where
 }
 
 void note_kinds(const MaterialRecord& record, const std::string& where, std::vector<Warning>& warnings) {
+    if (record.has_metallic_texture)
+        warnings.push_back({"metal-as-diffuse", where, "its metallic texture is not read: all of the surface counts as not metallic"});
+    else if (record.metallic > 0)
+        warnings.push_back({"metal-mirrors", where, "the metallic share reflects like a mirror: it takes no part in diffuse light"});
     if (record.transmission > 0)
         warnings.push_back({"transmission-blocked", where, "transmission takes light from the diffuse part, but lets none through"});
 }
@@ -199,6 +206,7 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
     }
     Material default_material;
     default_material.name = "(none)";
+    default_material.reflectance = Rgb(0, 0, 0);  // the default metallicFactor is 1: it mirrors
     scene.materials.push_back(std::move(default_material));
 }
 

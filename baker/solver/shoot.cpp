@@ -333,9 +333,12 @@ void Shooter::coarse_step() {
         const PatchNumber first = transport_.first(chunk);
         const std::span<Lanes> lanes(sent.data() + first, transport_.size(chunk));
         for (std::size_t i = 0; i < lanes.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t c = 0; c < 3; ++c) {
+                // Where no light has come yet none is guessed: a chunk may reach into a room that is closed to all light.
+                if (irradiance_[first + i][c] == 0) continue;
                 lanes[i].v[c] = transport_.scaled_reflectance(first + static_cast<PatchNumber>(i))[c] *
                                 shape_[first + i][c] * level[k][c];
+            }
         take_from_unshot(chunk, lanes);
     });
     const auto sent_by = [&](ChunkNumber chunk) {

@@ -23,7 +23,7 @@ bool back_is_open(const Scene& scene, const Atlas& atlas, const PatchSet& patche
     for (std::size_t k = 0; k < probe_rays; ++k) {
         const auto u = sequence.point(static_cast<std::uint32_t>(k));
         const SurfacePoint at = sampler.point(u[0], u[1]);
-        rays[k] = {offset_origin(at.position, at.normal), Frame(at.normal).to_world(cosine_direction(u[2], u[3])),
+        rays[k] = {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), Frame(at.normal).to_world(cosine_direction(u[2], u[3])),
                    at.triangle};
     }
     tracer.first_hits(rays, hits);

@@ -2,22 +2,27 @@
 /// Source: the rounding bounds of Pharr, Jakob, Humphreys, Physically Based Rendering, 3rd ed., section 3.9: a point made
 /// from barycentrics has an error of at most gamma(7) * sum |b_k p_k| per component; gamma(n) = n e / (1 - n e), e = 2^-24.
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "baker/core/vec.h"
 
 namespace luxel {
 
-/// Bound of the rounding error of a point whose corners have coordinates of at most `extent` (m), per component.
-/// Twice gamma(7), because the intersector computes with the same corners once more, and one step for the sum below.
-inline float position_error(float extent) { return (2 * 7 + 2) * 0x1p-24f * extent; }
+/// Relative bound per component. Twice gamma(7), because the intersector computes with the same corners once more, and
+/// one step for the sum below.
+constexpr float position_error = (2 * 7 + 2) * 0x1p-24f;
+
+/// How far a point of a triangle has to be moved along its unit normal to be on that side for certain, m. `extent`:
+/// Scene::corner_extent of the triangle. Not of the point: near the origin a small number made of large ones has their
+/// error. A plane through the origin along an axis has none.
+inline float offset_distance(const Vec3f& normal, const Vec3f& extent) {
+    return position_error *
+           (std::fabs(normal.x) * extent.x + std::fabs(normal.y) * extent.y + std::fabs(normal.z) * extent.z);
+}
 
 /// `point` moved along the unit normal (the side that the ray leaves to) by its error bound.
-inline Vec3f offset_origin(const Vec3f& point, const Vec3f& normal) {
-    // The bound in the direction of the normal: sum of |n_k| * error_k.
-    const float extent = std::max({std::fabs(point.x), std::fabs(point.y), std::fabs(point.z)});
-    return point + normal * (position_error(extent) * (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z)));
+inline Vec3f offset_origin(const Vec3f& point, const Vec3f& normal, const Vec3f& extent) {
+    return point + normal * offset_distance(normal, extent);
 }
 
 }  // namespace luxel

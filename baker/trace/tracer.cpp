@@ -92,6 +92,7 @@ TraceHit Tracer::finish(const TraceRay& ray, std::uint32_t triangle, float b1, f
     std::uint32_t chosen = none;
     bool chosen_front = false;
     for (const std::uint32_t candidate : group) {
+        if (candidate == ray.from_triangle) continue;
         const bool shows_front = scene.area_vector(candidate).dot(to_double(ray.direction)) < 0;
         if (chosen == none || (shows_front && !chosen_front)) chosen = candidate, chosen_front = shows_front;
     }
@@ -105,7 +106,8 @@ TraceHit Tracer::first_hit(const TraceRay& ray) const {
         RTCRayHit query = make_ray(ray, near);
         embree_intersect1(state_->tree, query);
         if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-        if (query.hit.primID == ray.from_triangle) {
+        // A copy in the same place is another triangle: finish() chooses among the copies.
+        if (query.hit.primID == ray.from_triangle && state_->coincident.group(ray.from_triangle).empty()) {
             near = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
             continue;
         }

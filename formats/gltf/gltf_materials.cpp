@@ -49,6 +49,9 @@ void read_base_color(const json& item, std::size_t texture_count, MaterialRecord
         material.base_color = {1, 1, 1, 1};
         json_numbers(*glossy, "diffuseFactor", material.base_color, where);
         material.base_color_texture = read_texture_use(*glossy, "diffuseTexture", texture_count, where);
+    } else if (!json_extension(item, "KHR_materials_unlit", where)) {
+        material.has_metallic_texture = pbr.contains("metallicRoughnessTexture");
+        material.metallic = material.has_metallic_texture ? 0 : json_number(pbr, "metallicFactor", 1, where);
     }
 }
 

@@ -47,6 +47,8 @@ struct MaterialRecord {
     bool double_sided = false;
     AlphaMode alpha_mode = AlphaMode::opaque;
     double alpha_cutoff = 0.5;
+    double metallic = 0;      ///< metallicFactor 0..1: the part that mirrors; 0 where a texture decides it (has_metallic_texture)
+    bool has_metallic_texture = false;
     double transmission = 0;  ///< KHR_materials_transmission factor 0..1
     bool unlit = false;
 };

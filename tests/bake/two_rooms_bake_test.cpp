@@ -18,6 +18,7 @@ std::size_t node_index(const nlohmann::json& document, const std::string& name) 
     throw std::runtime_error("no node " + name);
 }
 
+/// Chunks of this bake hold patches of both rooms: neither they nor the solver may let light through a wall.
 /// Both walls with the door become whole ones: turned or moved copies of the first room's west wall.
 void close_door(nlohmann::json& document) {
     const auto whole = document["nodes"][node_index(document, "room_0_0_wall_west")]["mesh"];
@@ -81,7 +82,7 @@ TEST(TwoRooms, AClosedDoorLetsNothingThrough) {
     const TemporaryFolder folder;
     for (const std::uint32_t gather_rays : {0u, 16u}) {
         BakeOptions options = small_options(edited_sample("two_rooms", folder / "scene", close_door), folder / "out.glb");
-        options.work = folder / "work" ;
+        options.work = folder / "work";
         options.work += std::to_string(gather_rays);
         options.gather_rays = gather_rays;
         const Rooms rooms = light_of_rooms(options, bake(options));

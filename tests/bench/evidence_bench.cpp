@@ -92,7 +92,7 @@ void append_rays(const BakeOptions& options, const BakedGeometry& g, PatchNumber
         for (std::uint32_t k = 0; k < rays / options.replicates; ++k) {
             const auto u = sequence.point(k);
             const SurfacePoint start = sampler.point(u[0], u[1]);
-            out.push_back({offset_origin(start.position, start.normal),
+            out.push_back({offset_origin(start.position, start.normal, g.scene.corner_extent(start.triangle)),
                            Frame(start.normal).to_world(cosine_direction(u[2], u[3])), start.triangle});
         }
     }

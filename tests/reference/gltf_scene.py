@@ -2,7 +2,8 @@
 
 Written from the glTF 2.0 specification for the comparison with luxel and sharing no code with it. Emission is a luminance
 in nits, point and spot lamps are in candela, directional ones in lux. Diffuse reflectance is the base colour times
-1 - transmission; what is transmitted is lost. Metals count as diffuse (or as black: `metals`). Alpha is not looked at.
+1 - transmission; what is transmitted is lost. Metals mirror: base colour * (1 - metallicFactor) is
+diffuse; a metallic texture is not read and counts as 0. Alpha is not looked at.
 Compressed geometry (meshopt, Draco) is refused: give the baked file instead, which holds it decoded.
 """
 import base64
@@ -104,7 +105,7 @@ def texture_use(info):
             "matrix": np.array([[c * sx, s * sy, ox], [-s * sx, c * sy, oy]])}
 
 
-def read_material(entry, metals="diffuse"):
+def read_material(entry):
     pbr, extensions = entry.get("pbrMetallicRoughness", {}), entry.get("extensions", {})
     strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
     old = extensions.get("KHR_materials_pbrSpecularGlossiness")
@@ -112,7 +113,7 @@ def read_material(entry, metals="diffuse"):
     if old is not None:
         colour, texture = old.get("diffuseFactor", (1, 1, 1, 1)), old.get("diffuseTexture")
     through = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)
-    if metals == "black" and old is None:
+    if old is None and "KHR_materials_unlit" not in extensions and "metallicRoughnessTexture" not in pbr:
         through = 1 - (1 - through) * (1 - pbr.get("metallicFactor", 1.0))
     return {"name": entry.get("name", ""), "albedo": np.clip(np.array(colour[:3], float), 0, 1) * (1 - through),
             "albedo_texture": texture_use(texture),
@@ -153,12 +154,12 @@ class Scene:
     """corners (T, 3, 3) world metres, front counter-clockwise; normals (T, 3, 3) unit, geometric where the file has none;
     uv: UV set -> (T, 3, 2); material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour."""
 
-    def __init__(self, path, metals="diffuse"):
+    def __init__(self, path):
         self.document = Document(path)
         needed = [e for e in self.document.all("extensionsRequired") if e in COMPRESSED]
         if needed:
             raise ValueError(f"{path}: {needed[0]} is not read here; use a decoded copy of the scene")
-        self.materials = [read_material(m, metals) for m in self.document.all("materials")]
+        self.materials = [read_material(m) for m in self.document.all("materials")]
         self.materials.append(read_material({"name": "default"}))
         self.objects, self.lamps, self.parts = [], [], []
         self._walk()

@@ -31,9 +31,9 @@ PLACES = 64          # points of a texel
 BURIED_SHARE = 0.5   # a point is inside a solid when more of its view is backs
 
 
-def load_truth_scene(path, baked, metals):
+def load_truth_scene(path, baked):
     try:
-        return gltf_scene.Scene(path, metals), "source"
+        return gltf_scene.Scene(path), "source"
     except ValueError:
         return baked, "baked"
 
@@ -67,12 +67,12 @@ def figures(baked, truth, error):
             "points": len(truth)}
 
 
-def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, metals="diffuse", normals="shading"):
+def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading"):
     """Returns the figures, and the arrays they come from."""
     import pathtrace
-    baked_scene = gltf_scene.Scene(baked_path, metals)
+    baked_scene = gltf_scene.Scene(baked_path)
     maps = lightmap.Lightmaps(baked_scene, baked_path)
-    truth_scene, origin = load_truth_scene(scene_path, baked_scene, metals)
+    truth_scene, origin = load_truth_scene(scene_path, baked_scene)
     tracer = pathtrace.Tracer(truth_scene)
     chosen, buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
     baked = np.array([maps.value(f.page, f.x, f.y) for f in chosen])
@@ -123,11 +123,10 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", metavar="PREFIX", help="write PREFIX.json and PREFIX.npz")
     parser.add_argument("--png-errormap", metavar="FILE")
-    parser.add_argument("--metals", choices=["diffuse", "black"], default="diffuse")
     parser.add_argument("--normals", choices=["shading", "geometric"], default="shading", help="at the compared points")
     options = parser.parse_args()
     begin = time.time()
-    result, arrays, maps = compare(options.scene, options.baked, options.points, options.spp, options.seed, options.metals,
+    result, arrays, maps = compare(options.scene, options.baked, options.points, options.spp, options.seed,
                                    options.normals)
     result["seconds"] = round(time.time() - begin, 1)
     text = json.dumps(result, indent=1)

@@ -95,7 +95,7 @@ TEST(EvidenceFile, RefusesEveryOtherLength) {
     std::mt19937_64 random(3);
     test::expect_exact_length(example, decode);
     test::expect_exact_length(encode_evidence(random_records(6, random)), decode);
-    test::expect_exact_length(encode_evidence({}), decode);
+    test::expect_exact_length(encode_evidence(std::span<const EvidenceRecord>()), decode);
 }
 
 TEST(EvidenceFile, RefusesDisorder) {

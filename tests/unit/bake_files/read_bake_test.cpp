@@ -65,7 +65,7 @@ std::string write_evidence(const std::filesystem::path& path) {
     BlockFileWriter file(path, FileKind::evidence, evidence_version, key);
     file.append(0, encode_evidence(all.first(3)));
     file.append(3, encode_evidence(all.last(1)), 0);
-    file.append(4, encode_evidence({}));
+    file.append(4, encode_evidence(std::span<const EvidenceRecord>()));
     file.publish();
     std::string expected = "evidence version 1 key " + key_text + " blocks 3\n";
     for (const EvidenceRecord& record : records) expected += line(record);

@@ -24,7 +24,7 @@ TEST(RayOffset, LandsOnTheRightSideOfEveryTriangle) {
                 const Vec3f normal = scene.geometric_normal(0);
                 const Vec3d exact_normal = scene.area_vector(0).normalized();
                 for (const float side : {1.0f, -1.0f}) {
-                    const Vec3f origin = offset_origin(point, normal * side);
+                    const Vec3f origin = offset_origin(point, normal * side, scene.corner_extent(0));
                     const double height = static_cast<double>(side) *
                                           (to_double(origin) - to_double(scene.corner(0, 0))).dot(exact_normal);
                     ASSERT_GT(height, 0) << "scale " << scale << ", far " << far;
@@ -34,10 +34,16 @@ TEST(RayOffset, LandsOnTheRightSideOfEveryTriangle) {
 }
 
 TEST(RayOffset, MovesAlongAxes) {
-    EXPECT_GT(offset_origin({1, 2, 3}, {0, 1, 0}).y, 2);
-    EXPECT_LT(offset_origin({1, 2, 3}, {0, -1, 0}).y, 2);
-    EXPECT_EQ(offset_origin({1, 2, 3}, {0, 1, 0}).x, 1);
-    EXPECT_EQ(offset_origin({1, 2, 3}, {0, 1, 0}).z, 3);
+    const Vec3f extent(1, 2, 3);
+    EXPECT_GT(offset_origin({1, 2, 3}, {0, 1, 0}, extent).y, 2);
+    EXPECT_LT(offset_origin({1, 2, 3}, {0, -1, 0}, extent).y, 2);
+    EXPECT_EQ(offset_origin({1, 2, 3}, {0, 1, 0}, extent).x, 1);
+    EXPECT_EQ(offset_origin({1, 2, 3}, {0, 1, 0}, extent).z, 3);
+}
+
+TEST(RayOffset, IsThatOfTheCornersNotOfThePoint) {
+    EXPECT_EQ(offset_distance({0, 1, 0}, {100, 0, 100}), 0) << "a floor at height 0 is exact";
+    EXPECT_GT(offset_distance(Vec3f(0, 1, 1).normalized(), {100, 0, 100}), 100 * 0x1p-22f);
 }
 
 }  // namespace

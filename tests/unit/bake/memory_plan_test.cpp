@@ -1,0 +1,78 @@
+/// The plan's shares fit the budget, the floor is exact, and more budget never gives less.
+#include "baker/bake/memory_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "formats/base/error.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::uint64_t mebibyte = 1 << 20;
+
+struct Size {
+    std::uint64_t fixed_bytes, patch_count;
+    std::uint32_t chunk_patches, page_size;
+    unsigned threads;
+};
+const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1}, {60 * mebibyte, 50'000, 2048, 1024, 2},
+                   {300 * mebibyte, 10'000'000, 4096, 4096, 16}};
+
+MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true) {
+    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded);
+}
+
+/// The smallest budget that the message names, in bytes.
+std::uint64_t stated_floor(const Size& size, bool loaded = true) {
+    try {
+        plan(1, size, loaded);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::budget_too_small);
+        const auto at = error.hint.find_first_of("0123456789");
+        return std::stoull(error.hint.substr(at)) * mebibyte;
+    }
+    ADD_FAILURE() << "one byte was enough";
+    return 0;
+}
+
+TEST(MemoryPlan, TheStatedFloorWorksAndLessDoesNot) {
+    for (const Size& size : sizes)
+        for (const bool loaded : {false, true}) {
+            const std::uint64_t floor = stated_floor(size, loaded);
+            const MemoryPlan at_floor = plan(floor, size, loaded);
+            EXPECT_LE(at_floor.floor_bytes, floor);
+            EXPECT_GT(at_floor.floor_bytes + mebibyte, floor);
+            EXPECT_NO_THROW(plan(at_floor.floor_bytes, size, loaded));
+            EXPECT_THROW(plan(at_floor.floor_bytes - 1, size, loaded), Error);
+            EXPECT_GE(at_floor.floor_bytes, size.fixed_bytes);
+        }
+}
+
+TEST(MemoryPlan, SharesFitTheBudget) {
+    for (const Size& size : sizes) {
+        std::uint64_t last_pooling = 0, last_cache = 0;
+        for (std::uint64_t budget = stated_floor(size); budget < (std::uint64_t{1} << 40); budget = budget * 5 / 4) {
+            const MemoryPlan p = plan(budget, size);
+            EXPECT_LE(std::max(p.pooling_bytes, p.cache_bytes) + size.fixed_bytes + size.patch_count * 64, budget);
+            EXPECT_GE(p.pooling_bytes, 8 * mebibyte) << "what pooling uses at least";
+            EXPECT_GE(p.pooling_bytes, last_pooling);
+            EXPECT_GE(p.cache_bytes, last_cache);
+            last_pooling = p.pooling_bytes, last_cache = p.cache_bytes;
+        }
+    }
+}
+
+TEST(MemoryPlan, AnImageLibraryThatIsLoadedIsNotCountedTwice) {
+    EXPECT_LT(stated_floor(sizes[0], true), stated_floor(sizes[0], false));
+}
+
+TEST(MemoryPlan, TheFloorGrowsWithTheScene) {
+    EXPECT_LT(stated_floor(sizes[0]), stated_floor(sizes[1]));
+    EXPECT_LT(stated_floor(sizes[1]), stated_floor(sizes[2]));
+}
+
+}  // namespace
+}  // namespace luxel
