@@ -1,5 +1,7 @@
 #include "baker/bake/bake.h"
 
+#include <malloc.h>
+
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/light_stages.h"
 #include "baker/bake/matrix_stages.h"
@@ -43,6 +45,7 @@ BakeReport bake(const BakeOptions& options) {
 
     const auto geometry = prepare_geometry(options, folder, clock, report);
     report.geometry_bytes = geometry->resident_bytes();
+    ::malloc_trim(0);  // what the stages have freed is not needed, and would make the floor a matter of luck
     const std::uint64_t resident = resident_bytes_now();
     const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
     const MemoryPlan plan =

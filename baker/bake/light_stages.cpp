@@ -110,7 +110,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
 BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, const BakedMatrix& matrix,
                         const BakedSolution& solution, const BakeFolder& folder, StageClock& clock, BakeReport& report) {
     BakedLight light;
-    light.key = KeyBuilder("light 1")
+    light.key = KeyBuilder("light 2")
                     .key(solution.key)
                     .integer(options.gather_rays)
                     .integer(options.lamp_points)
@@ -123,6 +123,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
     clock.stage("light", [&] {
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
+        const EmitterSet emitters(g.scene, g.atlas, g.patches);
         std::vector<Rgb> irradiance;  // per patch, only for drafts
         bool reused = true;
         for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
@@ -130,9 +131,9 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
             if (load_lightmap(path, light.key, g.texels.pages[page].texels.size())) continue;
             reused = false;
             if (options.gather_rays) {
-                const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, radiosity};
+                const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, emitters, radiosity};
                 save_lightmap(path, light.key,
-                              gather_page(input, page, {options.gather_rays, options.lamp_points, options.seed}, &progress));
+                              gather_page(input, page, {options.gather_rays, true, options.lamp_points, options.seed}, &progress));
             } else {
                 if (irradiance.empty()) {
                     ClosedStrips strips(*matrix.strips, matrix.area_m2, matrix.closure);

@@ -1,10 +1,12 @@
 #include "baker/light/gather.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
+#include "baker/core/units.h"
 #include "baker/formfactors/surface_map.h"
 #include "baker/light/lamps.h"
 #include "baker/patches/patch_sampler.h"
@@ -13,7 +15,28 @@
 namespace luxel {
 namespace {
 
-constexpr std::size_t batch_rays = 64;
+constexpr std::size_t batch_rays = SobolSequence::batch;
+
+/// A sum of three channels in double.
+struct Sum {
+    std::array<double, 3> v{};
+    void add(const Rgb& value, float weight) {
+        for (int c = 0; c < 3; ++c)
+            v[static_cast<std::size_t>(c)] += static_cast<double>(value[c]) * static_cast<double>(weight);
+    }
+    [[nodiscard]] Rgb rgb() const {
+        return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+    }
+};
+
+/// One batch of rays of a texel. Only the first `count` entries are rays; others were below the surface.
+struct TexelRays {
+    std::array<TraceRay, batch_rays> rays;
+    std::array<TraceHit, batch_rays> hits;
+    std::array<float, batch_rays> cosine;            ///< against the shading normal
+    std::array<EmitterSet::Aim, batch_rays> target;  ///< of aimed rays
+    std::size_t count = 0;
+};
 
 class TexelGather {
   public:
@@ -24,11 +47,18 @@ class TexelGather {
         const Texel& texel = page_.texels[index];
         const SurfaceSampler sampler(in_.scene, in_.atlas,
                                      {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
-        const SobolSequence sequence(seed(texel));
-        return indirect(sampler, sequence) + direct(sampler, sequence);
+        const std::uint64_t own_seed = seed(texel);
+        const SobolSequence sequence(own_seed);
+        return indirect(sampler, sequence, own_seed) + direct(sampler, sequence);
     }
 
   private:
+    /// How the rays of a texel are shared out, and where emitters are likely.
+    struct Plan {
+        std::uint32_t cosine_rays = 0, aimed_rays = 0;
+        std::vector<float> probability;  ///< per cluster of emitters
+    };
+
     /// Depends on the chart's object, its own grid and the options only: packing does not change the noise.
     [[nodiscard]] std::uint64_t seed(const Texel& texel) const {
         const Chart& chart = in_.atlas.charts[texel.chart];
@@ -37,33 +67,108 @@ class TexelGather {
         return mix(mix(mix(object.path_hash, chart.ordinal), place), options_.seed ^ 0x746578656cULL);
     }
 
-    [[nodiscard]] Rgb indirect(const SurfaceSampler& sampler, const SobolSequence& sequence) const {
-        std::array<TraceRay, batch_rays> rays;
-        std::array<TraceHit, batch_rays> hits;
-        std::array<double, 3> sum{};
-        for (std::uint32_t begin = 0; begin < options_.rays; begin += batch_rays) {
-            const std::size_t wanted = std::min<std::size_t>(batch_rays, options_.rays - begin);
-            std::size_t count = 0;
-            for (std::size_t k = 0; k < wanted; ++k) {
-                const auto u = sequence.point(begin + static_cast<std::uint32_t>(k));
-                const SurfacePoint at = sampler.point(u[0], u[1]);
-                const Vec3f direction = Frame(sampler.shading_normal(at)).to_world(cosine_direction(u[2], u[3]));
-                // Below the true surface there is only the inside of the object.
-                if (direction.dot(at.normal) <= 0) continue;
-                rays[count++] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
-                                 at.triangle};
-            }
-            in_.tracer.first_hits({rays.data(), count}, {hits.data(), count});
-            for (std::size_t k = 0; k < count; ++k) {
-                const Landing at = landing(in_.scene, in_.atlas, in_.patches, hits[k]);
-                if (at.end != RayEnd::patch) continue;
-                for (std::size_t c = 0; c < 3; ++c)
-                    sum[c] += static_cast<double>(in_.radiosity[at.patch][static_cast<int>(c)]);
-            }
+    [[nodiscard]] Plan plan(const SurfaceSampler& sampler) const {
+        Plan plan;
+        plan.cosine_rays = options_.rays;
+        if (!options_.aim_at_emitters || in_.emitters.empty() || options_.rays < 2) return plan;
+        const SurfacePoint middle = sampler.point(0.5f, 0.5f);
+        in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.probability);
+        for (const float p : plan.probability)
+            if (p > 0) plan.aimed_rays = options_.rays / 2;
+        plan.cosine_rays -= plan.aimed_rays;
+        return plan;
+    }
+
+    [[nodiscard]] Rgb indirect(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
+        const Plan shares = plan(sampler);
+        const SobolSequence aims(mix(own_seed, 0x61696d));
+        Sum sum;
+        TexelRays batch;
+        for (std::uint32_t begin = 0; begin < shares.cosine_rays; begin += batch_rays) {
+            cast_cosine(sampler, sequence, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
+            for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, sum);
         }
-        const double scale = 1.0 / options_.rays;
-        return {static_cast<float>(sum[0] * scale), static_cast<float>(sum[1] * scale),
-                static_cast<float>(sum[2] * scale)};
+        for (std::uint32_t begin = 0; begin < shares.aimed_rays; begin += batch_rays) {
+            cast_aimed(sampler, sequence, aims, shares, begin,
+                       std::min<std::uint32_t>(shares.aimed_rays, begin + batch_rays), batch);
+            for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, sum);
+        }
+        return sum.rgb();
+    }
+
+    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine) const {
+        batch.rays[batch.count] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
+                                   at.triangle};
+        batch.cosine[batch.count++] = cosine;
+    }
+
+    void trace(TexelRays& batch) const {
+        in_.tracer.first_hits({batch.rays.data(), batch.count}, {batch.hits.data(), batch.count});
+    }
+
+    void cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint32_t begin, std::uint32_t end,
+                     TexelRays& batch) const {
+        std::array<std::array<float, batch_rays>, 4> u;
+        sequence.points(begin, u);
+        batch.count = 0;
+        for (std::uint32_t k = 0; k < end - begin; ++k) {
+            const SurfacePoint at = sampler.point(u[0][k], u[1][k]);
+            const Vec3f local = cosine_direction(u[2][k], u[3][k]);
+            const Vec3f direction = Frame(sampler.shading_normal(at)).to_world(local);
+            // Below the true surface there is only the inside of the object.
+            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z);
+        }
+        trace(batch);
+    }
+
+    void cast_aimed(const SurfaceSampler& sampler, const SobolSequence& sequence, const SobolSequence& aims,
+                    const Plan& shares, std::uint32_t begin, std::uint32_t end, TexelRays& batch) const {
+        batch.count = 0;
+        for (std::uint32_t k = begin; k < end; ++k) {
+            // The points of the texel go on where those of the cosine rays end.
+            const auto u = sequence.point(shares.cosine_rays + k);
+            const auto w = aims.point(k);
+            const SurfacePoint at = sampler.point(u[0], u[1]);
+            const EmitterSet::Aim target = in_.emitters.aim(shares.probability, w[0], w[1], w[2]);
+            const Vec3f to = target.point.position - at.position;
+            const float distance = to.length();
+            if (!(distance > 0)) continue;
+            const Vec3f direction = to / distance;
+            const float cosine = direction.dot(sampler.shading_normal(at));
+            if (cosine <= 0 || direction.dot(at.normal) <= 0 || direction.dot(target.point.normal) >= 0) continue;
+            batch.target[batch.count] = target;
+            push(batch, at, direction, cosine);
+        }
+        trace(batch);
+    }
+
+    void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, Sum& sum) const {
+        const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
+        if (at.end != RayEnd::patch) return;
+        const Rgb& emission = in_.patches.patches[at.patch].emission;
+        sum.add(in_.radiosity[at.patch] - emission, 1.0f / static_cast<float>(shares.cosine_rays));
+        if (emission != Rgb(0, 0, 0)) sum.add(emission, weight(batch, k, at.patch, shares));
+    }
+
+    void add_aimed(const TexelRays& batch, std::size_t k, const Plan& shares, Sum& sum) const {
+        const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
+        // Both kinds of rays mean the same by "sees patch j": the first hit is on it.
+        if (at.end != RayEnd::patch || at.patch != batch.target[k].patch) return;
+        sum.add(in_.patches.patches[at.patch].emission, weight(batch, k, at.patch, shares));
+    }
+
+    /// Balance heuristic: cosine / pi over the sum of both densities of this direction, times the numbers of rays.
+    [[nodiscard]] float weight(const TexelRays& batch, std::size_t k, PatchNumber patch, const Plan& shares) const {
+        const float by_cosine = batch.cosine[k] * static_cast<float>(1 / pi);
+        float aimed = 0;
+        if (shares.aimed_rays) {
+            const TraceHit& hit = batch.hits[k];
+            const float sends = std::fabs(in_.scene.geometric_normal(hit.triangle).dot(batch.rays[k].direction));
+            aimed = in_.emitters.density(shares.probability, patch) * hit.distance_m * hit.distance_m /
+                    std::max(sends, 1e-6f);
+        }
+        return by_cosine /
+               (static_cast<float>(shares.cosine_rays) * by_cosine + static_cast<float>(shares.aimed_rays) * aimed);
     }
 
     [[nodiscard]] Rgb direct(const SurfaceSampler& sampler, const SobolSequence& sequence) const {

@@ -1,5 +1,7 @@
-/// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, plus shadow rays
-/// to lamps. A texel's value is the mean over the part of its square that the surface covers.
+/// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, rays aimed at
+/// emitting patches (half of all where there are any; the two are combined by multiple importance sampling, so the mean
+/// depends on neither), and shadow rays to lamps. A texel's value is the mean over the part of its square that the
+/// surface covers.
 /// Source: Cohen, Greenberg, Immel, Brock, An Efficient Radiosity Approach for Realistic Image Synthesis, IEEE CG&A 6(3)
 /// 1986 (patches shoot, elements receive); Reichert, A Two-Pass Radiosity Method, 1992 (final gather).
 #pragma once
@@ -7,6 +9,7 @@
 #include <vector>
 
 #include "baker/core/progress.h"
+#include "baker/light/emitters.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
 #include "baker/unwrap/atlas.h"
@@ -14,7 +17,8 @@
 namespace luxel {
 
 struct GatherOptions {
-    std::uint32_t rays = 256;        ///< cosine rays per texel, a power of two
+    std::uint32_t rays = 256;        ///< per texel, a power of two, at least 2; cosine and aimed ones together
+    bool aim_at_emitters = true;     ///< false: cosine rays only
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
     std::uint64_t seed = 0;
 };
@@ -25,6 +29,7 @@ struct GatherInput {
     const TexelSet& texels;
     const PatchSet& patches;
     const Tracer& tracer;
+    const EmitterSet& emitters;
     std::span<const Rgb> radiosity;  ///< B per patch number, lm/m2, self-emission included
 };
 

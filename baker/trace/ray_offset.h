@@ -2,6 +2,7 @@
 /// Source: the rounding bounds of Pharr, Jakob, Humphreys, Physically Based Rendering, 3rd ed., section 3.9: a point made
 /// from barycentrics has an error of at most gamma(7) * sum |b_k p_k| per component; gamma(n) = n e / (1 - n e), e = 2^-24.
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include "baker/core/vec.h"
@@ -14,10 +15,12 @@ constexpr float position_error = (2 * 7 + 2) * 0x1p-24f;
 
 /// How far a point of a triangle has to be moved along its unit normal to be on that side for certain, m. `extent`:
 /// Scene::corner_extent of the triangle. Not of the point: near the origin a small number made of large ones has their
-/// error. A plane through the origin along an axis has none.
+/// error. A plane through the origin along an axis has none; the last term keeps the start off the plane even there,
+/// where triangles that continue it would be met at distance 0.
 inline float offset_distance(const Vec3f& normal, const Vec3f& extent) {
     return position_error *
-           (std::fabs(normal.x) * extent.x + std::fabs(normal.y) * extent.y + std::fabs(normal.z) * extent.z);
+               (std::fabs(normal.x) * extent.x + std::fabs(normal.y) * extent.y + std::fabs(normal.z) * extent.z) +
+           0x1p-24f * std::max({extent.x, extent.y, extent.z});
 }
 
 /// `point` moved along the unit normal (the side that the ray leaves to) by its error bound.

@@ -101,14 +101,18 @@ TraceHit Tracer::finish(const TraceRay& ray, std::uint32_t triangle, float b1, f
 }
 
 TraceHit Tracer::first_hit(const TraceRay& ray) const {
-    float near = 0;
+    // A ray that starts exactly on its own triangle meets it at 0, and the next float is flushed to 0 again: so the near
+    // end begins at a length that is nothing in any scene. It grows faster each time, so that the loop ends.
+    constexpr float smallest_m = 0x1p-60f;
+    float near = 0, step = std::numeric_limits<float>::epsilon();
     for (;;) {
         RTCRayHit query = make_ray(ray, near);
         embree_intersect1(state_->tree, query);
         if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
         // A copy in the same place is another triangle: finish() chooses among the copies.
         if (query.hit.primID == ray.from_triangle && state_->coincident.group(ray.from_triangle).empty()) {
-            near = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
+            near = std::max({near, query.ray.tfar, smallest_m}) * (1 + step);
+            step *= 2;
             continue;
         }
         const bool front = query.hit.Ng_x * ray.direction.x + query.hit.Ng_y * ray.direction.y +

@@ -34,6 +34,11 @@ bool has_triangles(const std::filesystem::path& path) {
     return build_scene(record, no_picture, {}, ignored).triangle_count() > 0;
 }
 
+/// Files of the glTF asset generator that ask for a version or an extension which nobody has: they must be refused.
+bool must_be_refused(const std::string& name) {
+    return name == "Compatibility_04.gltf" || name == "Compatibility_05.gltf";
+}
+
 /// Draft, with pages so small that a scene of few charts has at most 20,000 texels.
 BakeOptions draft_options(const std::filesystem::path& input, const std::filesystem::path& folder) {
     BakeOptions options;
@@ -85,8 +90,11 @@ TEST(ForeignScenes, AllWithTrianglesBake) {
                         static_cast<unsigned long long>(report.pairs), seconds,
                         static_cast<unsigned long long>(report.peak_bytes >> 20), report.warnings.size());
             ++baked;
+            EXPECT_FALSE(must_be_refused(name));
         } catch (const Error& error) {
-            ADD_FAILURE() << error.what();
+            if (!must_be_refused(name)) ADD_FAILURE() << error.what();
+            EXPECT_EQ(error.code, ErrorCode::bad_input);
+            std::printf("%-36s refused: %s\n", name.c_str(), error.what_text.c_str());
         }
         std::fflush(stdout);
     }

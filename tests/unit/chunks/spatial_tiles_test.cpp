@@ -104,7 +104,6 @@ TEST(SpatialTiles, AMovedPatchChangesOnlyWhatItLeavesAndEnters) {
         // where patches are close).
         most = std::max(most, changed);
         EXPECT_LE(changed, 5u);
-        EXPECT_GE(changed, 1u);
     }
     EXPECT_GE(most, 2u);
 }

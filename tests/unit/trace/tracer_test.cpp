@@ -158,6 +158,35 @@ TEST(Tracer, OwnTriangleIsSkipped) {
     }
 }
 
+/// A start exactly in a plane through the origin: the hit at 0 must neither be reported nor be met for ever.
+TEST(Tracer, StartsInTheOwnPlaneAtZero) {
+    flush_denormals();
+    Scene scene = SceneMaker().add("a", quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})).build();
+    const Tracer tracer(scene);
+    ASSERT_EQ(scene.origin.z, 0);
+    for (const Vec3f& direction : {Vec3f(0, 0, 1), Vec3f(0, 0, -1), Vec3f(0.6f, 0, 0.8f), Vec3f(0.8f, 0.6f, 1e-20f)})
+        for (std::uint32_t own = 0; own < 2; ++own) {
+            const TraceRay ray{own == 0 ? Vec3f(0.5f, -0.5f, 0) : Vec3f(-0.5f, 0.5f, 0), direction, own};
+            EXPECT_NE(tracer.first_hit(ray).triangle, own);
+        }
+}
+
+/// A ray that starts in the plane of its own triangle meets it at distance 0, where denormals are no way out.
+TEST(Tracer, OwnTriangleAtDistanceZeroIsSkipped) {
+    flush_denormals();
+    const Scene scene = SceneMaker()
+                            .add("floor", quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}))
+                            .add("top", quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}))
+                            .build();
+    const Tracer tracer(scene);
+    for (std::uint32_t own = 0; own < 2; ++own) {
+        const Vec3f middle = (scene.corner(own, 0) + scene.corner(own, 1) + scene.corner(own, 2)) / 3;
+        const TraceHit hit = tracer.first_hit({middle, Vec3f(0.1f, 1, 0.2f).normalized(), own});
+        ASSERT_NE(hit.triangle, none);
+        EXPECT_EQ(scene.triangle_object[hit.triangle], 1u);
+    }
+}
+
 /// The copy of a triangle is another triangle, whichever of the two the tree names first.
 TEST(Tracer, OwnTriangleIsSkippedAmongCoincidentOnes) {
     MadeMesh mesh;

@@ -1,0 +1,110 @@
+#include "baker/light/emitters.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace luxel {
+namespace {
+
+/// Weighing costs a texel one evaluation per cluster: more than this many and it would outweigh the rays.
+constexpr std::size_t most_clusters = 256;
+
+float power_of(const Patch& patch) {
+    return patch.area_m2 * (patch.emission.x + patch.emission.y + patch.emission.z);
+}
+
+}  // namespace
+
+EmitterSet::EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches)
+    : patches_(patches), member_of_(patches.count(), none) {
+    for (PatchNumber p = 0; p < patches.count(); ++p)
+        if (power_of(patches.patches[p]) > 0) {
+            member_of_[p] = static_cast<std::uint32_t>(members_.size());
+            members_.push_back({p, 0, 0});
+            samplers_.emplace_back(scene, atlas, patches, p);
+        }
+    // Patch numbers run by chunk, then surface: consecutive ones of one chart and side lie together.
+    const std::size_t most_members = std::max<std::size_t>(8, 2 * members_.size() / most_clusters);
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < members_.size(); ++k) {
+        const Patch &own = patches.patches[members_[k].patch], &begin = patches.patches[members_[first].patch];
+        if (k - first >= most_members || own.chart != begin.chart || own.is_back != begin.is_back) {
+            close_cluster(first);
+            first = k;
+        }
+        cluster_of_.push_back(static_cast<std::uint32_t>(clusters_.size()));
+    }
+    if (!members_.empty()) close_cluster(first);
+}
+
+void EmitterSet::close_cluster(std::size_t first) {
+    const std::size_t end = cluster_of_.size();
+    double power = 0;
+    Vec3d center(0, 0, 0), normal(0, 0, 0);
+    for (std::size_t k = first; k < end; ++k) {
+        const Patch& patch = patches_.patches[members_[k].patch];
+        const double own = static_cast<double>(power_of(patch));
+        power += own;
+        center += to_double(patch.center) * own;
+        normal += to_double(patch.normal) * own;
+    }
+    Cluster cluster{to_float(center / power), to_float(normal.normalized()), 0, 0, static_cast<float>(power),
+                    static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)};
+    double sum = 0;
+    for (std::size_t k = first; k < end; ++k) {
+        const Patch& patch = patches_.patches[members_[k].patch];
+        const double own = static_cast<double>(power_of(patch));
+        sum += own;
+        members_[k].share = static_cast<float>(own / power);
+        members_[k].power_up_to = k + 1 == end ? 1.0f : static_cast<float>(sum / power);
+        cluster.radius_m = std::max(cluster.radius_m, (patch.center - cluster.center).length() + std::sqrt(patch.area_m2));
+        cluster.normal_spread = std::max(cluster.normal_spread, 1 - patch.normal.dot(cluster.normal));
+    }
+    clusters_.push_back(cluster);
+}
+
+void EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const {
+    probability.resize(clusters_.size());
+    float total = 0;
+    for (std::size_t k = 0; k < clusters_.size(); ++k) {
+        const Cluster& cluster = clusters_[k];
+        const Vec3f to = cluster.center - position;
+        const float distance = to.length(), far = std::max(distance, cluster.radius_m);
+        // How far the cluster reaches beyond its centre, as seen from here, widens both cosines.
+        const float slack = cluster.radius_m / far;
+        const float receives = distance > 0 ? to.dot(normal) / distance : 1.0f;
+        const float sends = distance > 0 ? -to.dot(cluster.normal) / distance : 1.0f;
+        const float bound_receives = std::clamp(receives + slack, 0.0f, 1.0f);
+        const float bound_sends = std::clamp(sends + slack + cluster.normal_spread, 0.0f, 1.0f);
+        probability[k] = cluster.power * bound_receives * bound_sends / (far * far);
+        total += probability[k];
+    }
+    if (total > 0)
+        for (float& p : probability) p /= total;
+}
+
+EmitterSet::Aim EmitterSet::aim(std::span<const float> probability, float choice, float u, float v) const {
+    float before = 0;
+    std::size_t k = 0, last = 0;
+    for (; k < probability.size(); ++k) {
+        if (probability[k] <= 0) continue;
+        last = k;
+        if (choice < before + probability[k]) break;
+        before += probability[k];
+    }
+    if (k == probability.size()) k = last;  // rounding of the sum
+    const Cluster& cluster = clusters_[k];
+    const float inside = std::clamp((choice - before) / probability[k], 0.0f, 0x1.fffffep-1f);
+    const auto begin = members_.begin() + cluster.first, end = members_.begin() + cluster.end;
+    const auto member = std::upper_bound(begin, end - 1, inside,
+                                         [](float value, const Member& m) { return value < m.power_up_to; });
+    return {member->patch, samplers_[static_cast<std::size_t>(member - members_.begin())].point(u, v)};
+}
+
+float EmitterSet::density(std::span<const float> probability, PatchNumber patch) const {
+    const std::uint32_t member = member_of_[patch];
+    if (member == none) return 0;
+    return probability[cluster_of_[member]] * members_[member].share / patches_.patches[patch].area_m2;
+}
+
+}  // namespace luxel

@@ -1,0 +1,56 @@
+/// Surfaces that emit, as things to aim at: small bright areas that cosine rays seldom find. Patches are gathered into
+/// clusters; a texel weighs the clusters by what they could send it, picks one, then a patch by power, then a point.
+/// Source: next event estimation over clustered lights; combined with cosine rays by multiple importance sampling with the
+/// balance heuristic (Veach and Guibas, Optimally Combining Sampling Techniques for Monte Carlo Rendering, 1995).
+#pragma once
+#include <span>
+#include <vector>
+
+#include "baker/patches/patch.h"
+#include "baker/patches/patch_sampler.h"
+
+namespace luxel {
+
+class EmitterSet {
+  public:
+    /// Keeps references to the patches, scene and atlas.
+    EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches);
+
+    [[nodiscard]] bool empty() const { return clusters_.empty(); }
+    [[nodiscard]] std::size_t cluster_count() const { return clusters_.size(); }
+
+    /// Probability of each cluster for a receiver at `position` with unit `normal`; sums to 1, or all 0 if none can be seen.
+    void weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const;
+
+    struct Aim {
+        PatchNumber patch = no_patch;
+        SurfacePoint point;
+    };
+    /// A point on an emitter for `choice`, u, v in [0, 1).
+    [[nodiscard]] Aim aim(std::span<const float> probability, float choice, float u, float v) const;
+
+    /// Density of aim() on the surface of a patch, 1/m2; 0 for patches that do not emit.
+    [[nodiscard]] float density(std::span<const float> probability, PatchNumber patch) const;
+
+  private:
+    struct Cluster {
+        Vec3f center, normal;
+        float radius_m, normal_spread, power;  ///< spread: largest angle between its patches' normals and `normal`, as 1 - cos
+        std::uint32_t first, end;              ///< run in members_
+    };
+    struct Member {
+        PatchNumber patch;
+        float power_up_to;  ///< cumulative share of the cluster's power, last is 1
+        float share;
+    };
+    void close_cluster(std::size_t first);
+
+    const PatchSet& patches_;
+    std::vector<Cluster> clusters_;
+    std::vector<Member> members_;
+    std::vector<PatchSampler> samplers_;        ///< per member
+    std::vector<std::uint32_t> member_of_;      ///< per patch: index into members_ or none
+    std::vector<std::uint32_t> cluster_of_;     ///< per member
+};
+
+}  // namespace luxel
