@@ -53,9 +53,12 @@ BakeReport bake(const BakeOptions& options) {
                     geometry->atlas.page_size, threads.threads(), image_library_is_loaded());
     report.floor_bytes = plan.floor_bytes;
 
-    const BakedMatrix matrix = prepare_matrix(options, *geometry, folder, plan, clock, report);
-    const BakedSolution solution = solve_patches(options, *geometry, matrix, folder, plan, clock, report);
-    const BakedLight light = light_texels(options, *geometry, matrix, solution, folder, clock, report);
+    // Matrix and solution are gone before the image library comes: the floor counts only one of them.
+    const BakedLight light = [&] {
+        const BakedMatrix matrix = prepare_matrix(options, *geometry, folder, plan, clock, report);
+        const BakedSolution solution = solve_patches(options, *geometry, matrix, folder, plan, clock, report);
+        return light_texels(options, *geometry, matrix, solution, folder, clock, report);
+    }();
     write_outputs(options, *geometry, light, clock, report);
     return report;
 }

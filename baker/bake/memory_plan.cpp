@@ -8,6 +8,9 @@ namespace luxel {
 namespace {
 
 constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
+/// What is resident beside the geometry (program, libraries, what the allocator holds back) varies by some 20 MB from run
+/// to run; counted in whole steps, the floor that one run states is the floor of the next.
+constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
 /// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
 constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
 /// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
@@ -30,15 +33,16 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, st
     const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
     const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page;
     const std::uint64_t solving = patch_count * bytes_per_patch + blocks + working_bytes;
+    const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
-    plan.floor_bytes = fixed_bytes + std::max(writing, solving);
+    plan.floor_bytes = fixed + std::max(writing, solving);
     if (budget_bytes < plan.floor_bytes) {
         const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
         throw Error(ErrorCode::budget_too_small, "--memory",
                     std::to_string(budget_bytes / mebibyte) + "M is too small for " + std::to_string(patch_count) + " patches",
                     "use --memory " + std::to_string(smallest) + "M or more; the scene's geometry is not counted");
     }
-    const std::uint64_t spare = budget_bytes - fixed_bytes - solving + working_bytes;
+    const std::uint64_t spare = budget_bytes - fixed - solving + working_bytes;
     plan.pooling_bytes = spare / 2;
     plan.cache_bytes = spare * 3 / 4;
     return plan;

@@ -58,7 +58,9 @@ void EmitterSet::close_cluster(std::size_t first) {
         members_[k].share = static_cast<float>(own / power);
         members_[k].power_up_to = k + 1 == end ? 1.0f : static_cast<float>(sum / power);
         cluster.radius_m = std::max(cluster.radius_m, (patch.center - cluster.center).length() + std::sqrt(patch.area_m2));
-        cluster.normal_spread = std::max(cluster.normal_spread, 1 - patch.normal.dot(cluster.normal));
+        const float cosine = patch.normal.dot(cluster.normal);
+        const float sine = cosine > 0 ? std::sqrt(std::max(0.0f, 1 - cosine * cosine)) : 1.0f;
+        cluster.normal_spread = std::max(cluster.normal_spread, sine);
     }
     clusters_.push_back(cluster);
 }

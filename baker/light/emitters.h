@@ -35,7 +35,7 @@ class EmitterSet {
   private:
     struct Cluster {
         Vec3f center, normal;
-        float radius_m, normal_spread, power;  ///< spread: largest angle between its patches' normals and `normal`, as 1 - cos
+        float radius_m, normal_spread, power;  ///< spread: sine of the largest angle between its patches' normals and `normal`
         std::uint32_t first, end;              ///< run in members_
     };
     struct Member {

@@ -21,6 +21,56 @@ float place_in(const Entry& entry, float at) {
     return std::clamp((at - entry.share_before) / entry.share, 0.0f, below_one);
 }
 
+/// Texels of a page.
+struct TexelBox {
+    std::uint32_t x, y, width, height;
+};
+
+/// The map from the unit square over the box to the plane of a triangle. False for triangles without area on the page.
+bool map_box(const Scene& scene, const Atlas& atlas, std::uint32_t triangle, const TexelBox& box, Parallelogram& out) {
+    // Barycentrics over the chart's grid are affine: b = b(0, 0) + x * db/dx + y * db/dy.
+    const Vec2f* uv = &atlas.corner_uv[std::size_t{3} * triangle];
+    const double u0 = static_cast<double>(uv[0].x), v0 = static_cast<double>(uv[0].y);
+    const double ax = static_cast<double>(uv[1].x) - u0, ay = static_cast<double>(uv[1].y) - v0;
+    const double bx = static_cast<double>(uv[2].x) - u0, by = static_cast<double>(uv[2].y) - v0;
+    const double determinant = ax * by - ay * bx;
+    if (!(std::fabs(determinant) > 1e-12)) return false;
+    const Chart& chart = atlas.charts[atlas.triangle_chart[triangle]];
+    const double x = box.x - chart.x - u0, y = box.y - chart.y - v0, w = box.width, h = box.height;
+    const auto pair = [&](double b1, double b2) {
+        return Vec2f(static_cast<float>(b1 / determinant), static_cast<float>(b2 / determinant));
+    };
+    out.triangle = triangle;
+    out.normal = scene.geometric_normal(triangle);
+    out.barycentric = pair(x * by - y * bx, ax * y - ay * x);
+    out.barycentric_u = pair(w * by, -w * ay);
+    out.barycentric_v = pair(-h * bx, h * ax);
+    const Vec3f& corner = scene.corner(triangle, 0);
+    const Vec3f edge_1 = scene.corner(triangle, 1) - corner, edge_2 = scene.corner(triangle, 2) - corner;
+    out.origin = corner + edge_1 * out.barycentric.x + edge_2 * out.barycentric.y;
+    out.side_u = edge_1 * out.barycentric_u.x + edge_2 * out.barycentric_u.y;
+    out.side_v = edge_1 * out.barycentric_v.x + edge_2 * out.barycentric_v.y;
+    return true;
+}
+
+float largest(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
+
+/// Does another triangle of the box continue the same plane, map and flat shading, up to the rounding of its corners? That
+/// is a quarter of what rays are moved off the surface, so none of them can start behind the neighbour.
+bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, const Parallelogram& flat,
+               std::uint32_t triangle) {
+    Parallelogram other;
+    if (!map_box(scene, atlas, triangle, box, other)) return false;
+    const float tolerance_m = 4 * 0x1p-24f * largest(scene.corner_extent(triangle));
+    if (largest(other.origin - flat.origin) > tolerance_m || largest(other.side_u - flat.side_u) > tolerance_m ||
+        largest(other.side_v - flat.side_v) > tolerance_m)
+        return false;
+    for (const std::uint32_t t : {flat.triangle, triangle})
+        for (const std::uint32_t vertex : scene.triangles[t])
+            if (scene.normals[vertex].dot(flat.normal) < 0.99999f) return false;
+    return true;
+}
+
 }  // namespace
 
 SurfaceSampler::SurfaceSampler(const Scene& scene, const Atlas& atlas, std::span<const Fragment> fragments, bool back)
@@ -30,41 +80,28 @@ SurfaceSampler::SurfaceSampler(const Scene& scene, const Atlas& atlas, std::span
 }
 
 bool SurfaceSampler::make_flat(const Atlas& atlas, std::span<const Fragment> fragments) {
-    const Fragment &first = fragments.front(), &last = fragments.back();
-    const std::size_t width = std::size_t{last.x} - first.x + 1u, height = std::size_t{last.y} - first.y + 1u;
-    if (last.x < first.x || fragments.size() != width * height) return false;
-    for (const Fragment& fragment : fragments)
-        if (fragment.triangle != first.triangle) return false;
-    // Barycentrics over the chart's grid are affine: b = b(0, 0) + x * db/dx + y * db/dy.
-    const Vec2f* uv = &atlas.corner_uv[std::size_t{3} * first.triangle];
-    const double ax = static_cast<double>(uv[1].x) - static_cast<double>(uv[0].x);
-    const double ay = static_cast<double>(uv[1].y) - static_cast<double>(uv[0].y);
-    const double bx = static_cast<double>(uv[2].x) - static_cast<double>(uv[0].x);
-    const double by = static_cast<double>(uv[2].y) - static_cast<double>(uv[0].y);
-    const double determinant = ax * by - ay * bx;
-    if (!(std::fabs(determinant) > 1e-12)) return false;
-    const Chart& chart = atlas.charts[atlas.triangle_chart[first.triangle]];
-    const double x = first.x - chart.x - static_cast<double>(uv[0].x), y = first.y - chart.y - static_cast<double>(uv[0].y);
-    const double w = static_cast<double>(width), h = static_cast<double>(height);
-    const double b1 = (x * by - y * bx) / determinant, b2 = (ax * y - ay * x) / determinant;
-    const double b1_u = w * by / determinant, b2_u = -w * ay / determinant;
-    const double b1_v = -h * bx / determinant, b2_v = h * ax / determinant;
-    for (int corner = 0; corner < 4; ++corner) {
-        const double p = b1 + (corner & 1) * b1_u + (corner >> 1) * b1_v;
-        const double q = b2 + (corner & 1) * b2_u + (corner >> 1) * b2_v;
-        if (p < 0 || q < 0 || p + q > 1) return false;
+    TexelBox box{fragments.front().x, fragments.front().y, 1, static_cast<std::uint32_t>(fragments.back().y) + 1};
+    std::uint32_t right = box.x;
+    double area_m2 = 0;
+    for (const Fragment& fragment : fragments) {
+        box.x = std::min<std::uint32_t>(box.x, fragment.x);
+        right = std::max<std::uint32_t>(right, fragment.x);
+        area_m2 += static_cast<double>(fragment.area_m2);
     }
-    const auto vector = [](double p, double q) { return Vec2f(static_cast<float>(p), static_cast<float>(q)); };
-    const Vec3f& corner = scene_.corner(first.triangle, 0);
-    const Vec3f edge_1 = scene_.corner(first.triangle, 1) - corner, edge_2 = scene_.corner(first.triangle, 2) - corner;
-    flat_.triangle = first.triangle;
-    flat_.normal = scene_.geometric_normal(first.triangle) * (back_ ? -1.0f : 1.0f);
-    flat_.barycentric = vector(b1, b2);
-    flat_.barycentric_u = vector(b1_u, b2_u);
-    flat_.barycentric_v = vector(b1_v, b2_v);
-    flat_.origin = corner + edge_1 * flat_.barycentric.x + edge_2 * flat_.barycentric.y;
-    flat_.side_u = edge_1 * flat_.barycentric_u.x + edge_2 * flat_.barycentric_u.y;
-    flat_.side_v = edge_1 * flat_.barycentric_v.x + edge_2 * flat_.barycentric_v.y;
+    box.width = right - box.x + 1;
+    box.height -= box.y;
+    const std::uint32_t triangle = fragments.front().triangle;
+    if (!map_box(scene_, atlas, triangle, box, flat_)) return false;
+    // The whole box is surface when the areas say so.
+    const double whole_m2 = to_double(flat_.side_u).cross(to_double(flat_.side_v)).length();
+    if (std::fabs(area_m2 - whole_m2) > 1e-5 * whole_m2) return false;
+    std::uint32_t checked = triangle;
+    for (const Fragment& fragment : fragments) {
+        if (fragment.triangle == checked) continue;
+        checked = fragment.triangle;
+        if (checked != triangle && !continues(scene_, atlas, box, flat_, checked)) return false;
+    }
+    if (back_) flat_.normal = -flat_.normal;
     return true;
 }
 

@@ -1,5 +1,5 @@
-/// Scenes made by hand for tests of whole rooms: surfaces, a maker that goes through SceneRecord and build_scene as a file
-/// would, and everything that stands between a scene and its evidence. Metres, Y up; deterministic.
+/// Scenes made by hand for tests of whole rooms: surfaces, a maker that goes through SceneRecord and build_scene as a
+/// file would, and everything that stands between a scene and its evidence. Metres, Y up; deterministic.
 #pragma once
 #include <array>
 #include <cmath>
@@ -60,11 +60,11 @@ inline MadeMesh room(const Vec3f& low, const Vec3f& high) {
 inline MadeMesh icosphere(int levels, float radius) {
     const float t = (1 + std::sqrt(5.0f)) / 2;
     MadeMesh mesh;
-    mesh.positions = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                      {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
-    mesh.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                      {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    mesh.positions = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
+                      {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
+    mesh.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                      {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                      {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
         const auto middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -91,12 +91,12 @@ inline std::array<MadeMesh, 2> two_rooms() {
         MadeMesh mesh;
         const float end = 4, high = 2.5f, deep = 4, passage = 0.125f;
         const float door_low = 1.5f, door_high = 2.5f, door_top = 2;
-        add_quad(mesh, {0, 0, 0}, {0, 0, deep}, {end, 0, 0});            // floor
-        add_quad(mesh, {0, high, 0}, {end, 0, 0}, {0, 0, deep});         // ceiling
-        add_quad(mesh, {0, 0, 0}, {0, high, 0}, {0, 0, deep});           // far wall
-        add_quad(mesh, {0, 0, 0}, {end, 0, 0}, {0, high, 0});            // z = 0
-        add_quad(mesh, {0, 0, deep}, {0, high, 0}, {end, 0, 0});         // z = deep
-        add_quad(mesh, {end, 0, 0}, {0, 0, door_low}, {0, high, 0});     // beside the door
+        add_quad(mesh, {0, 0, 0}, {0, 0, deep}, {end, 0, 0});         // floor
+        add_quad(mesh, {0, high, 0}, {end, 0, 0}, {0, 0, deep});      // ceiling
+        add_quad(mesh, {0, 0, 0}, {0, high, 0}, {0, 0, deep});        // far wall
+        add_quad(mesh, {0, 0, 0}, {end, 0, 0}, {0, high, 0});         // z = 0
+        add_quad(mesh, {0, 0, deep}, {0, high, 0}, {end, 0, 0});      // z = deep
+        add_quad(mesh, {end, 0, 0}, {0, 0, door_low}, {0, high, 0});  // beside the door
         add_quad(mesh, {end, 0, door_high}, {0, 0, deep - door_high}, {0, high, 0});
         add_quad(mesh, {end, door_top, door_low}, {0, 0, door_high - door_low}, {0, high - door_top, 0});
         add_quad(mesh, {end, 0, door_low}, {0, 0, door_high - door_low}, {passage, 0, 0});

@@ -18,7 +18,8 @@ struct Size {
     std::uint32_t chunk_patches, page_size;
     unsigned threads;
 };
-const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1}, {60 * mebibyte, 50'000, 2048, 1024, 2},
+const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1},
+                   {60 * mebibyte, 50'000, 2048, 1024, 2},
                    {300 * mebibyte, 10'000'000, 4096, 4096, 16}};
 
 MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true) {

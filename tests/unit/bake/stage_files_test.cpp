@@ -1,4 +1,5 @@
-/// What small stages keep in the bake folder comes back bit for bit; absent is empty; damage and other sizes are errors.
+/// What small stages keep in the bake folder comes back bit for bit; absent is empty; damage and other sizes are
+/// errors.
 #include "baker/bake/stage_files.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,8 @@ const Key key{5, 6}, other_key{5, 7};
 std::vector<double> numbers(std::size_t count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::vector<double> values(count);
-    for (double& value : values) value = std::ldexp(static_cast<double>(random()), static_cast<int>(random() % 200) - 100);
+    for (double& value : values)
+        value = std::ldexp(static_cast<double>(random()), static_cast<int>(random() % 200) - 100);
     return values;
 }
 
@@ -63,7 +65,8 @@ TEST(StageFiles, Closure) {
     EXPECT_EQ(found->report.mean_row_error_after, 1e-12);
     EXPECT_EQ(found->report.diagonal_share, 0.1);
     EXPECT_EQ(found->report.remainder_share, 1e-16);
-    expect_careful(folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);
+    expect_careful(
+        folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);
 }
 
 TEST(StageFiles, Solution) {
@@ -92,7 +95,8 @@ TEST(StageFiles, Solution) {
         EXPECT_EQ(found->history[1].bytes_read, 1ULL << 40);
         EXPECT_EQ(found->history[1].error_bound, 1e-4);
     }
-    expect_careful(folder / "s", [&](const Key& k, std::size_t n) { return load_solution(folder / "s", k, n).has_value(); }, 15);
+    expect_careful(
+        folder / "s", [&](const Key& k, std::size_t n) { return load_solution(folder / "s", k, n).has_value(); }, 15);
 }
 
 TEST(StageFiles, Lightmap) {
@@ -102,7 +106,8 @@ TEST(StageFiles, Lightmap) {
         irradiance.emplace_back(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]));
     save_lightmap(folder / "l", key, irradiance);
     EXPECT_EQ(load_lightmap(folder / "l", key, 25), irradiance);
-    expect_careful(folder / "l", [&](const Key& k, std::size_t n) { return load_lightmap(folder / "l", k, n).has_value(); }, 25);
+    expect_careful(
+        folder / "l", [&](const Key& k, std::size_t n) { return load_lightmap(folder / "l", k, n).has_value(); }, 25);
     save_lightmap(folder / "none", key, {});
     EXPECT_EQ(load_lightmap(folder / "none", key, 0), std::vector<Rgb>()) << "a page without texels";
 }

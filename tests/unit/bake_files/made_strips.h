@@ -25,8 +25,9 @@ inline StripPairs random_pairs(std::uint32_t rows, std::uint32_t columns, std::s
         ++block.row_begin[row + 1];
         block.column.push_back(column);
         // Most counts are small; some need all 32 bits.
-        block.count.push_back(random() % 8 ? static_cast<std::uint32_t>(1 + random() % 5)
-                                           : static_cast<std::uint32_t>(std::max<std::uint64_t>(1, random() & 0xffffffffu)));
+        block.count.push_back(random() % 8
+                                  ? static_cast<std::uint32_t>(1 + random() % 5)
+                                  : static_cast<std::uint32_t>(std::max<std::uint64_t>(1, random() & 0xffffffffu)));
     }
     for (std::uint32_t row = 0; row < rows; ++row) block.row_begin[row + 1] += block.row_begin[row];
     return block;

@@ -1,5 +1,5 @@
-/// tools/scripts/read_bake.py, a reader written from the documents alone, finds in our files what we wrote into them: if
-/// it does not, the documents or the code are wrong.
+/// tools/scripts/read_bake.py, a reader written from the documents alone, finds in our files what we wrote into them:
+/// if it does not, the documents or the code are wrong.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,8 @@ ReaderResult read_bake(const std::vector<std::filesystem::path>& files) {
     FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
     ReaderResult result;
     char buffer[4096];
-    for (std::size_t got; pipe && (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) result.output.append(buffer, got);
+    for (std::size_t got; pipe && (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;)
+        result.output.append(buffer, got);
     result.status = pipe ? ::pclose(pipe) : -1;
     return result;
 }
@@ -44,8 +45,8 @@ std::string line(const EvidenceRecord& r) {
         return text << std::hex << std::setw(16) << std::setfill('0') << id << std::dec;
     };
     text << "patch ";
-    hex(r.patch_id) << " replicate " << int{r.replicate} << " levels " << int{r.first_level} << ".." << int{r.last_level}
-                    << " open " << r.open << " back " << r.back << " on";
+    hex(r.patch_id) << " replicate " << int{r.replicate} << " levels " << int{r.first_level} << ".."
+                    << int{r.last_level} << " open " << r.open << " back " << r.back << " on";
     for (std::size_t k = 0; k < r.count.size(); ++k) {
         text << " ";
         hex(r.target_id[k]) << "*" << r.count[k];
@@ -126,7 +127,8 @@ TEST(ReadBake, RefusesDamage) {
     const ReaderResult found = read_bake(copies);
     EXPECT_NE(found.status, 0);
     EXPECT_EQ(static_cast<std::size_t>(std::count(found.output.begin(), found.output.end(), '\n')), copies.size())
-        << "one line of complaint per file:\n" << found.output;
+        << "one line of complaint per file:\n"
+        << found.output;
     EXPECT_EQ(found.output.find("Traceback"), std::string::npos) << found.output;
 }
 

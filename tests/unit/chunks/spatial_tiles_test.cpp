@@ -31,7 +31,8 @@ std::vector<std::vector<PatchId>> chunks_of(const PatchSet& set, const Tiling& t
     for (std::size_t old = 0; old < set.count(); ++old) by_number.at(tiling.new_number[old]) = set.patches[old].id;
     std::vector<std::vector<PatchId>> chunks;
     for (ChunkNumber c = 0; c < tiling.layout.chunk_count(); ++c)
-        chunks.emplace_back(by_number.begin() + tiling.layout.first_patch[c], by_number.begin() + tiling.layout.first_patch[c + 1]);
+        chunks.emplace_back(by_number.begin() + tiling.layout.first_patch[c],
+                            by_number.begin() + tiling.layout.first_patch[c + 1]);
     return chunks;
 }
 

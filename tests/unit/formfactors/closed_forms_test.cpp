@@ -55,9 +55,7 @@ double facing_unit_squares() {
     return 2 / pi * (std::log(std::sqrt(4.0 / 3)) + 2 * root * part - 2 * turn);
 }
 
-TEST(ClosedForms, TheCatalogue) {
-    EXPECT_NEAR(facing_unit_squares(), 0.1998, 5e-5);
-}
+TEST(ClosedForms, TheCatalogue) { EXPECT_NEAR(facing_unit_squares(), 0.1998, 5e-5); }
 
 TEST(ClosedForms, FacingUnitSquares) {
     const auto made = test::prepare(SceneMaker()

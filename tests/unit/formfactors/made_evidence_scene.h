@@ -8,8 +8,8 @@
 
 namespace luxel::test {
 
-/// A closed room of 3 x 2.5 x 3 m at `shift` with a box, a ball, a two-sided sheet, a lamp under the ceiling, none of them
-/// touching a wall; all paths begin with `name`.
+/// A closed room of 3 x 2.5 x 3 m at `shift` with a box, a ball, a two-sided sheet, a lamp under the ceiling, none of
+/// them touching a wall; all paths begin with `name`.
 inline SceneMaker& add_furnished_room(SceneMaker& maker, const std::string& name, const Vec3d& shift) {
     MadeMaterial sheet;
     sheet.double_sided = true;

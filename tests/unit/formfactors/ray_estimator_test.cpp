@@ -1,4 +1,5 @@
-/// Evidence is a pure function of geometry, stable id, options and levels; levels add up; files say the same as records.
+/// Evidence is a pure function of geometry, stable id, options and levels; levels add up; files say the same as
+/// records.
 #include "baker/formfactors/ray_estimator.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,8 @@ using test::SceneMaker;
 
 std::unique_ptr<Prepared> furnished(std::uint32_t chunk_patches = 100) {
     SceneMaker maker;
-    return test::prepare(test::add_furnished_room(maker, "room", Vec3d(0, 0, 0)).build(), {.chunk_patches = chunk_patches});
+    return test::prepare(test::add_furnished_room(maker, "room", Vec3d(0, 0, 0)).build(),
+                         {.chunk_patches = chunk_patches});
 }
 
 TEST(RayEstimator, EveryRayEndsSomewhere) {
@@ -80,7 +82,8 @@ TEST(RayEstimator, LevelsAddUp) {
         for (std::uint8_t middle = 0; middle < last; ++middle) {
             const auto low = collect(patch, {0, middle});
             const auto high = collect(patch, {static_cast<std::uint8_t>(middle + 1), last});
-            for (std::size_t r = 0; r < whole.size(); ++r) EXPECT_EQ(merged(low[r], high[r]), whole[r]) << "level " << +middle;
+            for (std::size_t r = 0; r < whole.size(); ++r)
+                EXPECT_EQ(merged(low[r], high[r]), whole[r]) << "level " << +middle;
         }
     }
 }

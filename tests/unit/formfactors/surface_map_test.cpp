@@ -53,7 +53,8 @@ TEST(SurfaceMap, PointsOfAPatchLandOnIt) {
         const PatchSampler sampler(made->scene, made->atlas, made->patches, p);
         backs += made->patches.patches[p].is_back;
         for (int k = 0; k < 16; ++k) {
-            const SurfacePoint at = sampler.point((static_cast<float>(k % 4) + 0.37f) / 4, (static_cast<float>(k) + 0.5f) / 16);
+            const SurfacePoint at =
+                sampler.point((static_cast<float>(k % 4) + 0.37f) / 4, (static_cast<float>(k) + 0.5f) / 16);
             EXPECT_NEAR((at.position - surface_position(made->scene, at.triangle, at.barycentric)).length(), 0, 1e-5);
             const float close = 1e-3f;
             const TraceHit hit = made->tracer->first_hit({at.position + at.normal * close, -at.normal, none});

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 
+#include "baker/store/pair_sort.h"
 #include "formats/base/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -47,7 +48,8 @@ TEST(PairBuckets, GiveBackWhatWasPutIn) {
             const auto bucket = static_cast<std::uint32_t>(random() % 2 * 2);  // the middle one stays empty
             const auto b = static_cast<std::uint32_t>(random() % 65536), row = static_cast<std::uint32_t>(random() % 4);
             const auto column = static_cast<std::uint32_t>(65535 - random() % 3);
-            const auto count = static_cast<std::uint32_t>(random() % 100 ? 1 + random() % 9 : 65534 + random() % 200000);
+            const auto count =
+                static_cast<std::uint32_t>(random() % 100 ? 1 + random() % 9 : 65534 + random() % 200000);
             buckets.add(bucket, b, row, column, count);
             expected[bucket][pair_place(pack_pair(b, row, column, 0))] += count;
             if (k % 500 == 0) buckets.settle();
@@ -90,6 +92,26 @@ TEST(PairBuckets, SaysWhenItCannotWrite) {
         EXPECT_EQ(error.code, ErrorCode::cannot_write);
         EXPECT_FALSE(error.hint.empty());
     }
+}
+
+TEST(PairSort, EqualsStableSortByPlace) {
+    std::mt19937_64 random(2);
+    struct Bounds {
+        std::uint32_t chunk, side;
+    };
+    for (const Bounds& bounds : {Bounds{1, 1}, {1, 65536}, {65536, 1}, {3, 2049}, {70, 2048}, {65536, 65536}})
+        for (const std::size_t count : {0u, 1u, 2u, 1000u, 30000u}) {
+            std::vector<PackedPair> pairs(count);
+            for (PackedPair& pair : pairs)
+                pair = pack_pair(static_cast<std::uint32_t>(random() % bounds.chunk),
+                                 static_cast<std::uint32_t>(random() % bounds.side),
+                                 static_cast<std::uint32_t>(random() % bounds.side),
+                                 static_cast<std::uint32_t>(random() % 65536));
+            std::vector<PackedPair> expected = pairs;
+            std::ranges::stable_sort(expected, {}, pair_place);
+            sort_pairs(pairs, bounds.chunk, bounds.side);
+            EXPECT_EQ(pairs, expected) << bounds.chunk << ", " << bounds.side;
+        }
 }
 
 }  // namespace

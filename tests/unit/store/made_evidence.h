@@ -60,7 +60,8 @@ inline MadeEvidence random_evidence(const std::vector<std::uint32_t>& chunk_size
                                     std::uint32_t replicates, unsigned seed) {
     std::mt19937_64 random(seed);
     MadeEvidence made;
-    for (const std::uint32_t size : chunk_sizes) made.layout.first_patch.push_back(made.layout.first_patch.back() + size);
+    for (const std::uint32_t size : chunk_sizes)
+        made.layout.first_patch.push_back(made.layout.first_patch.back() + size);
     std::set<PatchId> ids;
     while (ids.size() < made.layout.patch_count()) ids.insert(random());
     made.ids.assign(ids.begin(), ids.end());
@@ -122,7 +123,8 @@ inline PairCounts counts_of(const StripStore& store) {
     CountBlock block;
     for (std::size_t k = 0; k < store.block_count(); ++k) {
         store.load(k, block);
-        const PatchNumber row_first = store.layout().first_patch[block.a], column_first = store.layout().first_patch[block.b];
+        const PatchNumber row_first = store.layout().first_patch[block.a],
+                          column_first = store.layout().first_patch[block.b];
         for (std::uint32_t row = 0; row + 1 < block.row_begin.size(); ++row)
             for (std::uint32_t p = block.row_begin[row]; p < block.row_begin[row + 1]; ++p)
                 counts[{row_first + row, column_first + block.columns[p]}] += block.counts[p];

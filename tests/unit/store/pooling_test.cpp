@@ -44,7 +44,8 @@ TEST(Pooling, CountsAbove16Bits) {
     MadeEvidence made;
     made.layout.first_patch = {0, 1, 2};
     made.ids = {7, 8};
-    made.records = {{7, 0, 0, 30, 0, 0, {8}, {1u << 30}}, {8, 0, 0, 20, 0, 3, {7, 8}, {65536 - 3, (1u << 20) - 65536}},
+    made.records = {{7, 0, 0, 30, 0, 0, {8}, {1u << 30}},
+                    {8, 0, 0, 20, 0, 3, {7, 8}, {65536 - 3, (1u << 20) - 65536}},
                     {8, 1, 0, 16, 0, 0, {7}, {65536}}};
     const auto strips = pool(folder, made, test::write_evidence(folder.path(), made.records, 2, 2), "strips");
     expect_pooled(strips, made);
@@ -68,7 +69,8 @@ TEST(Pooling, DoesNotDependOnTheCut) {
     expect_pooled(folder / "c", made);
 }
 
-/// More pairs than the smallest memory holds, most of them in one bucket: that is spilled, and sorted in several passes.
+/// More pairs than the smallest memory holds, most of them in one bucket: that is spilled, and sorted in several
+/// passes.
 TEST(Pooling, DoesNotDependOnMemoryOrThreads) {
     const TemporaryFolder folder;
     const MadeEvidence made = test::random_evidence({300, 150, 50, 100}, 200, 6, 3);
@@ -101,7 +103,8 @@ TEST(Pooling, RunsOnlyWhenStripsAreMissing) {
     const auto strips = pool(folder, made, files, "strips");
     const auto expected = strip_bytes(strips, made.layout);
     const auto again = [&] {
-        return pool_evidence(made.layout, made.ids, files, test::evidence_key, strips, test::strip_key, {0, folder.path()}, {});
+        return pool_evidence(made.layout, made.ids, files, test::evidence_key, strips, test::strip_key,
+                             {0, folder.path()}, {});
     };
     EXPECT_FALSE(again());
     std::filesystem::remove(strip_path(strips, 1));
@@ -162,13 +165,11 @@ TEST(Pooling, RefusesMoreRaysThan32Bits) {
     made.layout.first_patch = {0, 3};
     made.ids = {1, 2, 3};
     made.records = {{1, 0, 0, 31, 1u << 31, 0, {}, {}}, {1, 1, 0, 31, 1u << 31, 0, {}, {}}};
-    EXPECT_TRUE(test::refused({}, [&](ByteView) {
-        pool(folder, made, test::write_evidence(folder.path(), made.records, 9, 9), "rays");
-    }));
+    EXPECT_TRUE(test::refused(
+        {}, [&](ByteView) { pool(folder, made, test::write_evidence(folder.path(), made.records, 9, 9), "rays"); }));
     made.records = {{1, 0, 0, 31, 0, 0, {2}, {1u << 31}}, {2, 1, 0, 31, 0, 0, {1}, {1u << 31}}};
-    EXPECT_TRUE(test::refused({}, [&](ByteView) {
-        pool(folder, made, test::write_evidence(folder.path(), made.records, 9, 9), "pairs");
-    }));
+    EXPECT_TRUE(test::refused(
+        {}, [&](ByteView) { pool(folder, made, test::write_evidence(folder.path(), made.records, 9, 9), "pairs"); }));
 }
 
 TEST(Pooling, RefusesTooManyChunks) {
@@ -185,8 +186,8 @@ TEST(Pooling, ReportsProgressToTheEnd) {
     const auto files = test::write_evidence(folder.path(), made.records, 30, 64);
     std::filesystem::create_directory(folder / "strips");
     std::uint64_t last = 0, end = 0;
-    pool_evidence(made.layout, made.ids, files, test::evidence_key, folder / "strips", test::strip_key, {0, folder.path()},
-                  [&](std::uint64_t done, std::uint64_t total) {
+    pool_evidence(made.layout, made.ids, files, test::evidence_key, folder / "strips", test::strip_key,
+                  {0, folder.path()}, [&](std::uint64_t done, std::uint64_t total) {
                       EXPECT_GT(done, last);
                       last = done, end = total;
                   });

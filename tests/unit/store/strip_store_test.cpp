@@ -107,11 +107,13 @@ TEST(StripStore, RefusesDamage) {
         Bytes bytes = whole;
         bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 0x40);
         publish_file(path, bytes);
-        EXPECT_TRUE(test::refused({}, [&](ByteView) {
-            const StripStore store(made.strips, test::strip_key, made.evidence.layout);
-            CountBlock block;
-            for (std::size_t k = 0; k < store.block_count(); ++k) store.load(k, block);
-        })) << "byte " << at;
+        EXPECT_TRUE(test::refused({},
+                                  [&](ByteView) {
+                                      const StripStore store(made.strips, test::strip_key, made.evidence.layout);
+                                      CountBlock block;
+                                      for (std::size_t k = 0; k < store.block_count(); ++k) store.load(k, block);
+                                  }))
+            << "byte " << at;
     }
     std::filesystem::remove(path);
     EXPECT_FALSE(made.opens(test::strip_key, made.evidence.layout)) << "missing";

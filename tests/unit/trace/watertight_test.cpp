@@ -106,8 +106,8 @@ TEST(Watertight, RoomsOfAllSizesAndPlaces) {
     }
 }
 
-/// Large triangles that pass close to the origin: points near it are small numbers made of large ones, so their error is
-/// that of the corners.
+/// Large triangles that pass close to the origin: points near it are small numbers made of large ones, so their error
+/// is that of the corners.
 TEST(Watertight, SlantedWallsThroughTheOrigin) {
     RandomPoints random(3);
     for (int round = 0; round < 20; ++round) {
@@ -121,8 +121,8 @@ TEST(Watertight, SlantedWallsThroughTheOrigin) {
     }
 }
 
-/// The same near the origin alone: starts within centimetres of it, where an error bound of the point itself is nothing,
-/// on both sides of the line that two triangles of the floor share.
+/// The same near the origin alone: starts within centimetres of it, where an error bound of the point itself is
+/// nothing, on both sides of the line that two triangles of the floor share.
 TEST(Watertight, StartsNearTheOrigin) {
     flush_denormals();
     RandomPoints random(4);
@@ -136,13 +136,15 @@ TEST(Watertight, StartsNearTheOrigin) {
         for (std::uint32_t t = 0; t < scene.triangle_count(); ++t)
             for (int k = 0; k < 50; ++k) {
                 const float along = random.number(0.4999f, 0.5001f), away = random.number(0, 1e-5f);
-                for (const Vec2f& b : {Vec2f(along - away, away), Vec2f(away, along - away), Vec2f(along - away, 1 - along)}) {
+                for (const Vec2f& b :
+                     {Vec2f(along - away, away), Vec2f(away, along - away), Vec2f(along - away, 1 - along)}) {
                     const Vec3f position = surface_position(scene, t, b), normal = scene.geometric_normal(t);
                     if (position.length() > 0.02f) continue;
                     ++starts;
                     Vec3f local = cosine_direction(random.number(), random.number());
                     local.z *= 1e-4f;
-                    const TraceRay ray{offset_origin(position, normal, scene.corner_extent(t)), Frame(normal).to_world(local).normalized(), t};
+                    const TraceRay ray{offset_origin(position, normal, scene.corner_extent(t)),
+                                       Frame(normal).to_world(local).normalized(), t};
                     if (ray.direction.dot(normal) <= 0) continue;
                     const TraceHit hit = tracer.first_hit(ray);
                     escaped += hit.triangle == none;
