@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/core/units.h"
+
 namespace luxel {
 namespace {
 
@@ -18,12 +20,13 @@ float power_of(const Patch& patch) {
 EmitterSet::EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches)
     : patches_(patches), member_of_(patches.count(), none) {
     for (PatchNumber p = 0; p < patches.count(); ++p)
-        if (power_of(patches.patches[p]) > 0) {
-            member_of_[p] = static_cast<std::uint32_t>(members_.size());
-            members_.push_back({p, 0, 0});
-            samplers_.emplace_back(scene, atlas, patches, p);
-        }
-    // Patch numbers run by chunk, then surface: consecutive ones of one chart and side lie together.
+        if (power_of(patches.patches[p]) > 0) members_.push_back({p, 0, 0});
+    // By surface, then raster: neighbours lie together, and the order does not depend on chunks.
+    std::sort(members_.begin(), members_.end(), [&](const Member& a, const Member& b) { return place(a.patch) < place(b.patch); });
+    for (const Member& member : members_) {
+        member_of_[member.patch] = static_cast<std::uint32_t>(samplers_.size());
+        samplers_.emplace_back(scene, atlas, patches, member.patch);
+    }
     const std::size_t most_members = std::max<std::size_t>(8, 2 * members_.size() / most_clusters);
     std::size_t first = 0;
     for (std::size_t k = 0; k < members_.size(); ++k) {
@@ -37,6 +40,12 @@ EmitterSet::EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& p
     if (!members_.empty()) close_cluster(first);
 }
 
+std::tuple<std::uint32_t, bool, std::uint32_t, std::uint32_t> EmitterSet::place(PatchNumber number) const {
+    const Patch& patch = patches_.patches[number];
+    const Fragment& first = patches_.fragments_of(number).front();
+    return {patch.chart, patch.is_back, (std::uint32_t{first.y} << 16) | first.x, first.triangle};
+}
+
 void EmitterSet::close_cluster(std::size_t first) {
     const std::size_t end = cluster_of_.size();
     double power = 0;
@@ -48,7 +57,7 @@ void EmitterSet::close_cluster(std::size_t first) {
         center += to_double(patch.center) * own;
         normal += to_double(patch.normal) * own;
     }
-    Cluster cluster{to_float(center / power), to_float(normal.normalized()), 0, 0, static_cast<float>(power),
+    Cluster cluster{to_float(center / power), to_float(normal.normalized()), 0, 0, static_cast<float>(power), 0,
                     static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(end)};
     double sum = 0;
     for (std::size_t k = first; k < end; ++k) {
@@ -57,6 +66,7 @@ void EmitterSet::close_cluster(std::size_t first) {
         sum += own;
         members_[k].share = static_cast<float>(own / power);
         members_[k].power_up_to = k + 1 == end ? 1.0f : static_cast<float>(sum / power);
+        cluster.area_m2 += patch.area_m2;
         cluster.radius_m = std::max(cluster.radius_m, (patch.center - cluster.center).length() + std::sqrt(patch.area_m2));
         const float cosine = patch.normal.dot(cluster.normal);
         const float sine = cosine > 0 ? std::sqrt(std::max(0.0f, 1 - cosine * cosine)) : 1.0f;
@@ -65,9 +75,9 @@ void EmitterSet::close_cluster(std::size_t first) {
     clusters_.push_back(cluster);
 }
 
-void EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const {
+float EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const {
     probability.resize(clusters_.size());
-    float total = 0;
+    float total = 0, seen = 0;
     for (std::size_t k = 0; k < clusters_.size(); ++k) {
         const Cluster& cluster = clusters_[k];
         const Vec3f to = cluster.center - position;
@@ -78,11 +88,14 @@ void EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<f
         const float sends = distance > 0 ? -to.dot(cluster.normal) / distance : 1.0f;
         const float bound_receives = std::clamp(receives + slack, 0.0f, 1.0f);
         const float bound_sends = std::clamp(sends + slack + cluster.normal_spread, 0.0f, 1.0f);
-        probability[k] = cluster.power * bound_receives * bound_sends / (far * far);
+        const float density = bound_receives * bound_sends / (far * far);
+        probability[k] = cluster.power * density;
         total += probability[k];
+        seen += cluster.area_m2 * density * static_cast<float>(1 / pi);
     }
     if (total > 0)
         for (float& p : probability) p /= total;
+    return std::min(seen, 1.0f);
 }
 
 EmitterSet::Aim EmitterSet::aim(std::span<const float> probability, float choice, float u, float v) const {

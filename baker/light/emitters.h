@@ -4,6 +4,7 @@
 /// balance heuristic (Veach and Guibas, Optimally Combining Sampling Techniques for Monte Carlo Rendering, 1995).
 #pragma once
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "baker/patches/patch.h"
@@ -20,7 +21,8 @@ class EmitterSet {
     [[nodiscard]] std::size_t cluster_count() const { return clusters_.size(); }
 
     /// Probability of each cluster for a receiver at `position` with unit `normal`; sums to 1, or all 0 if none can be seen.
-    void weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const;
+    /// Returns about which share of the receiver's cosine rays would find an emitter if nothing stood between, 0..1.
+    float weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const;
 
     struct Aim {
         PatchNumber patch = no_patch;
@@ -35,7 +37,7 @@ class EmitterSet {
   private:
     struct Cluster {
         Vec3f center, normal;
-        float radius_m, normal_spread, power;  ///< spread: sine of the largest angle between its patches' normals and `normal`
+        float radius_m, normal_spread, power, area_m2;  ///< spread: sine of the largest angle between its patches' normals and `normal`
         std::uint32_t first, end;              ///< run in members_
     };
     struct Member {
@@ -43,6 +45,7 @@ class EmitterSet {
         float power_up_to;  ///< cumulative share of the cluster's power, last is 1
         float share;
     };
+    [[nodiscard]] std::tuple<std::uint32_t, bool, std::uint32_t, std::uint32_t> place(PatchNumber number) const;
     void close_cluster(std::size_t first);
 
     const PatchSet& patches_;

@@ -1,5 +1,5 @@
 /// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, rays aimed at
-/// emitting patches (half of all where there are any; the two are combined by multiple importance sampling, so the mean
+/// emitting patches (up to half of all; none where emitters fill the view; the two are combined by multiple importance sampling, so the mean
 /// depends on neither), and shadow rays to lamps. A texel's value is the mean over the part of its square that the
 /// surface covers.
 /// Source: Cohen, Greenberg, Immel, Brock, An Efficient Radiosity Approach for Realistic Image Synthesis, IEEE CG&A 6(3)

@@ -12,11 +12,12 @@ namespace luxel {
 struct SurfacePoint {
     Vec3f position;  ///< m, relative to Scene::origin
     Vec3f normal;    ///< unit geometric normal of the sampled side
+    /// The triangle; where several continue one plane (the halves of a quad), the first of them stands for all.
     std::uint32_t triangle = none;
-    Vec2f barycentric;  ///< weights of corners 1 and 2
+    Vec2f barycentric;  ///< weights of its corners 1 and 2; beyond 0..1 where another triangle continues it
 };
 
-/// A flat piece of one triangle whose points are origin + side_u * u + side_v * v: most patches of large surfaces.
+/// A flat piece of surface whose points are origin + side_u * u + side_v * v: most patches of large surfaces.
 struct Parallelogram {
     Vec3f origin, side_u, side_v;
     Vec3f normal;  ///< unit geometric normal of the sampled side
