@@ -124,6 +124,7 @@ TEST(PatchSampler, EndsOfTheUnitSquareAreLegal) {
         for (const auto& [u, v] : {std::pair{0.0f, 0.0f}, {last, 0.0f}, {0.0f, last}, {last, last}}) {
             const SurfacePoint at = sampler.point(u, v);
             EXPECT_LT(at.triangle, made->scene.triangle_count());
+            if (sampler.flat()) continue;  // may lie on a triangle that continues this one
             EXPECT_GE(at.barycentric.x, -1e-4f);
             EXPECT_GE(at.barycentric.y, -1e-4f);
             EXPECT_LE(at.barycentric.x + at.barycentric.y, 1 + 1e-4f);
