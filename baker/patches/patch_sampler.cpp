@@ -61,7 +61,8 @@ bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, cons
                std::uint32_t triangle) {
     Parallelogram other;
     if (!map_box(scene, atlas, triangle, box, other)) return false;
-    const float tolerance_m = 4 * 0x1p-24f * largest(scene.corner_extent(triangle));
+    const float tolerance_m =
+        4 * 0x1p-24f * std::min(largest(scene.corner_extent(triangle)), largest(scene.corner_extent(flat.triangle)));
     if (largest(other.origin - flat.origin) > tolerance_m || largest(other.side_u - flat.side_u) > tolerance_m ||
         largest(other.side_v - flat.side_v) > tolerance_m)
         return false;
