@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "baker/core/vec.h"
+#include "baker/scene/shape_metric.h"
 #include "formats/base/hash.h"
 #include "formats/gltf/scene_record.h"
 
@@ -47,6 +48,7 @@ struct Object {
     std::uint32_t first_vertex = 0, vertex_count = 0;
     std::uint64_t path_hash = 0;     ///< of node path and primitive: stable when other nodes change
     std::uint64_t content_hash = 0;  ///< of the primitive's own arrays (local positions, normals, UVs, indices)
+    ShapeMetric metric{};            ///< of the instance: with content_hash it says which objects show the same shape
     bool mirrored = false;           ///< negative determinant: winding was swapped so that fronts stay fronts
 };
 
@@ -63,6 +65,8 @@ struct Lamp {
 struct Scene {
     Vec3d origin;  ///< world = origin + position
     std::vector<Vec3f> positions;
+    /// Per vertex: the mesh in a frame of its own, the same bits for all copies (shape_metric.h), m.
+    std::vector<Vec3f> shape_positions;
     std::vector<Vec3f> normals;  ///< unit shading normals per vertex; the geometric one where the file has none or a bad one
     std::array<std::vector<Vec2f>, 2> uv;  ///< per vertex, zero where the file has none
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front

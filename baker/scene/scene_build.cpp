@@ -18,6 +18,7 @@ struct ObjectSize {
     std::uint64_t vertex_count = 0, triangle_count = 0;
     std::uint32_t not_finite_count = 0, no_area_count = 0, bad_normal_count = 0, bad_uv_count = 0;
     bool mirrored = false;
+    ShapeMetric metric{};
 };
 
 const PrimitiveRecord& primitive_of(const SceneRecord& record, const ObjectSize& size) {
@@ -42,6 +43,7 @@ std::vector<ObjectSize> measure_objects(const SceneRecord& record, const Vec3d& 
         size.bad_normal_count = built.bad_normal_count;
         size.bad_uv_count = built.bad_uv_count;
         size.mirrored = built.mirrored;
+        size.metric = built.metric;
     });
     return sizes;
 }
@@ -95,6 +97,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
         object.path_hash = path_hash_of(instance.node_path, primitive.gltf_primitive);
         object.content_hash = content[static_cast<std::size_t>(instance.mesh)][size.primitive];
         object.mirrored = size.mirrored;
+        object.metric = size.metric;
         scene.objects.push_back(std::move(object));
         scene.object_has_uv1.push_back(!primitive.uv[1].empty());
         vertex_count += size.vertex_count;
@@ -102,6 +105,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
     }
     scene.positions.resize(vertex_count);
     scene.normals.resize(vertex_count);
+    scene.shape_positions.resize(vertex_count);
     for (auto& set : scene.uv) set.resize(vertex_count);
     scene.triangles.resize(triangle_count);
     scene.source_triangle.resize(triangle_count);
@@ -116,6 +120,7 @@ void fill_objects(const SceneRecord& record, Scene& scene) {
             record.meshes[static_cast<std::size_t>(instance.mesh)].primitives[object.primitive], instance.world, scene.origin);
         std::ranges::copy(built.positions, scene.positions.begin() + object.first_vertex);
         std::ranges::copy(built.normals, scene.normals.begin() + object.first_vertex);
+        std::ranges::copy(built.shape_positions, scene.shape_positions.begin() + object.first_vertex);
         for (std::size_t set = 0; set < 2; ++set)
             std::ranges::copy(built.uv[set], scene.uv[set].begin() + object.first_vertex);
         std::ranges::copy(built.source_triangle, scene.source_triangle.begin() + object.first_triangle);

@@ -47,6 +47,10 @@ struct NormalMatrix {
     }
 };
 
+ShapeMetric metric_of(const Matrix44d& m) {
+    return shape_metric({m[0][0], m[0][1], m[0][2]}, {m[1][0], m[1][1], m[1][2]}, {m[2][0], m[2][1], m[2][2]});
+}
+
 Vec3d area_vector_of(const std::vector<Vec3f>& positions, const std::array<std::uint32_t, 3>& t) {
     const Vec3d a = to_double(positions[t[0]]);
     return (to_double(positions[t[1]]) - a).cross(to_double(positions[t[2]]) - a);
@@ -96,6 +100,7 @@ void append_vertex(const PrimitiveRecord& primitive, std::uint32_t vertex, const
                    ObjectGeometry& out) {
     out.positions.push_back(position);
     out.normals.push_back(normal);
+    out.shape_positions.push_back(shape_position(out.shape_root, primitive.positions[vertex]));
     for (std::size_t set = 0; set < 2; ++set) out.uv[set].push_back(uv_of(primitive, set, vertex, out));
 }
 
@@ -160,10 +165,13 @@ ObjectGeometry build_object_geometry(const PrimitiveRecord& primitive, const Mat
     ObjectGeometry out;
     const NormalMatrix turn(world);
     out.mirrored = turn.mirrored;
+    out.metric = metric_of(world);
+    out.shape_root = shape_root(out.metric);
     const MovedPrimitive moved = move_and_clean(primitive, world, origin, out);
     const std::size_t vertex_bound = primitive.normals.empty() ? 3 * moved.triangles.size() : primitive.positions.size();
     out.positions.reserve(vertex_bound);
     out.normals.reserve(vertex_bound);
+    out.shape_positions.reserve(vertex_bound);
     for (auto& set : out.uv) set.reserve(vertex_bound);
     out.triangles.reserve(moved.triangles.size());
     if (primitive.normals.empty()) append_flat(primitive, moved, out);

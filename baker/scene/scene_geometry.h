@@ -9,7 +9,7 @@
 namespace luxel {
 
 struct ObjectGeometry {
-    std::vector<Vec3f> positions, normals;
+    std::vector<Vec3f> positions, normals, shape_positions;  ///< of equal length
     std::array<std::vector<Vec2f>, 2> uv;                 ///< as long as positions
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< into positions
     std::vector<std::uint32_t> source_triangle;
@@ -17,6 +17,8 @@ struct ObjectGeometry {
     std::uint32_t no_area_count = 0;      ///< triangles dropped: no area
     std::uint32_t bad_normal_count = 0;   ///< vertices whose normal was zero or not finite
     std::uint32_t bad_uv_count = 0;       ///< vertices whose uv was not finite: zero is used
+    ShapeMetric metric{};
+    std::array<double, 6> shape_root{};
     bool mirrored = false;
 };
 

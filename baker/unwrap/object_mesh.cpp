@@ -7,35 +7,6 @@
 namespace luxel {
 namespace {
 
-struct ObjectFrame {
-    Vec3d origin, x, y, z;
-};
-
-/// A frame from the object's own triangles: the first one that is not small. Copies of a mesh get matching frames.
-ObjectFrame frame_of(const Scene& scene, const Object& object) {
-    double largest = 0;
-    for (std::uint32_t i = 0; i < object.triangle_count; ++i)
-        largest = std::max(largest, scene.area_m2(object.first_triangle + i));
-    std::uint32_t chosen = object.first_triangle;
-    for (std::uint32_t i = 0; i < object.triangle_count; ++i)
-        if (scene.area_m2(object.first_triangle + i) >= 0.5 * largest) {
-            chosen = object.first_triangle + i;
-            break;
-        }
-    const auto corner = [&](std::size_t k) {
-        return to_double(scene.corner(chosen, static_cast<int>(mesh_corner(object, k))));
-    };
-    ObjectFrame frame;
-    frame.origin = corner(0);
-    frame.x = (corner(1) - frame.origin).normalized();
-    frame.z = scene.area_vector(chosen).normalized();
-    frame.y = frame.z.cross(frame.x);
-    // A mirror image keeps its fronts, so the third corner may lie on the other side: coordinates agree with the
-    // original.
-    if (frame.y.dot(corner(2) - frame.origin) < 0) frame.y = -frame.y;
-    return frame;
-}
-
 bool less_position(const Vec3f& a, const Vec3f& b) {
     if (a.x != b.x) return a.x < b.x;
     if (a.y != b.y) return a.y < b.y;
@@ -46,7 +17,7 @@ bool less_position(const Vec3f& a, const Vec3f& b) {
 
 ObjectMesh object_mesh(const Scene& scene, const Object& object) {
     ObjectMesh mesh;
-    const Vec3f* positions = scene.positions.data() + object.first_vertex;
+    const Vec3f* positions = scene.shape_positions.data() + object.first_vertex;
     std::vector<std::uint32_t> order(object.vertex_count), welded(object.vertex_count);
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -60,15 +31,14 @@ ObjectMesh object_mesh(const Scene& scene, const Object& object) {
         const bool same = i && !less_position(positions[order[i - 1]], positions[order[i]]);
         first[order[i]] = same ? first[order[i - 1]] : order[i];
     }
-    const ObjectFrame frame = frame_of(scene, object);
+    const Vec3d origin = object.vertex_count ? to_double(positions[0]) : Vec3d(0, 0, 0);
     for (std::uint32_t v = 0; v < object.vertex_count; ++v) {
         if (first[v] != v) {
             welded[v] = welded[first[v]];
             continue;
         }
         welded[v] = static_cast<std::uint32_t>(mesh.positions.size());
-        const Vec3d p = to_double(positions[v]) - frame.origin;
-        mesh.positions.emplace_back(p.dot(frame.x), p.dot(frame.y), p.dot(frame.z));
+        mesh.positions.push_back(to_double(positions[v]) - origin);
     }
     mesh.triangles.resize(object.triangle_count);
     for (std::uint32_t i = 0; i < object.triangle_count; ++i)
@@ -79,28 +49,10 @@ ObjectMesh object_mesh(const Scene& scene, const Object& object) {
 }
 
 bool same_shape(const Scene& scene, const Object& a, const Object& b) {
-    if (a.content_hash != b.content_hash || a.triangle_count != b.triangle_count) return false;
-    for (std::uint32_t i = 0; i < a.triangle_count; ++i) {
-        const std::uint32_t ta = a.first_triangle + i, tb = b.first_triangle + i;
-        if (scene.source_triangle[ta] != scene.source_triangle[tb]) return false;
-        std::array<Vec3d, 3> pa, pb;
-        double rounding = 0, longest = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            pa[k] = to_double(scene.corner(ta, static_cast<int>(mesh_corner(a, k))));
-            pb[k] = to_double(scene.corner(tb, static_cast<int>(mesh_corner(b, k))));
-            rounding = std::max({rounding, pa[k].length(), pb[k].length()});
-        }
-        constexpr double float_rounding = 0x1p-23;
-        std::array<double, 3> difference;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double la = (pa[(k + 1) % 3] - pa[k]).length(), lb = (pb[(k + 1) % 3] - pb[k]).length();
-            longest = std::max(longest, la);
-            difference[k] = std::abs(la - lb);
-        }
-        for (const double d : difference)
-            if (d > 1e-5 * longest + 4 * float_rounding * rounding) return false;
-    }
-    return true;
+    if (a.content_hash != b.content_hash || a.metric != b.metric || a.triangle_count != b.triangle_count) return false;
+    // Rounding may have cost one copy a triangle that another kept.
+    const auto kept = scene.source_triangle.begin();
+    return std::equal(kept + a.first_triangle, kept + a.first_triangle + a.triangle_count, kept + b.first_triangle);
 }
 
 std::vector<MeshEdge> sorted_edges(const ObjectMesh& mesh, const std::vector<std::uint32_t>& subset) {

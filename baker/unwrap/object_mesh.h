@@ -1,5 +1,5 @@
-/// One object as the unwrapper sees it: welded vertices in a frame of the object's own, so that copies of a mesh look
-/// alike wherever they stand, and small or far objects keep their precision.
+/// One object as the unwrapper sees it: welded vertices of Scene::shape_positions, so that copies of a mesh are the same
+/// bits wherever they stand, and far objects keep their precision.
 /// Lengths in metres, double. Threads: all functions are pure. Errors: none.
 #pragma once
 #include <array>
@@ -28,8 +28,7 @@ inline std::size_t mesh_corner(const Object& object, std::size_t k) { return obj
 
 ObjectMesh object_mesh(const Scene& scene, const Object& object);
 
-/// Do the two objects show the same mesh in the same size (rigid motion or mirror image)? Compares contents, triangles
-/// kept and edge lengths (to 1e-5 of the triangle, or to the rounding of float positions where that is larger).
+/// Do the two objects show the same mesh in the same size (rigid motion or mirror image)? Then their ObjectMesh is equal.
 bool same_shape(const Scene& scene, const Object& a, const Object& b);
 
 /// Sets of triangles (indexes into mesh.triangles) that hang together through shared edges of `subset`, each ascending,

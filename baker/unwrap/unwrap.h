@@ -1,9 +1,9 @@
 /// Scene -> Atlas: every triangle gets a place on a lightmap page, at one density for the whole scene.
 ///
-/// Time grows linearly with triangles: objects are cut into pieces of bounded size, identical meshes are unwrapped
-/// once. A chart depends on its own object's mesh, the density and the page size only, never on other objects (up to
-/// rounding: copies of a mesh share the charts of the first copy) nor on where it is packed. Not on the number of
-/// threads either. What xatlas cannot unwrap gets planar charts and a warning; nothing is lost.
+/// Time grows linearly with triangles: objects are cut into pieces of bounded size, identical meshes are unwrapped once.
+/// A chart depends on its own object's mesh and size, the density and the page size only: never on other objects, on where
+/// the object stands or the chart is packed, or on the number of threads.
+/// What xatlas cannot unwrap gets planar charts and a warning; nothing is lost.
 #pragma once
 #include <cstdint>
 #include <vector>

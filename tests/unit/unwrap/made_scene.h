@@ -1,5 +1,6 @@
 /// Scenes made by hand for the tests of unwrapping and of patches: no file, no texture.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -29,9 +30,18 @@ inline Object& add_object(Scene& scene, const std::string& name, const MadeMesh&
     object.path_hash = mix(std::hash<std::string>{}(name), 1);
     object.content_hash = content;
     object.mirrored = mirrored;
+    const auto placed = [&](const Vec3f& p) { return to_double(place ? place(p) : p); };
+    // The linear part of `place`, measured over the size of the mesh so that far places keep its digits.
+    float size = 0;
+    for (const Vec3f& p : mesh.positions) size = std::max({size, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    const Vec3d zero = placed({0, 0, 0});
+    const auto row = [&](const Vec3f& axis) { return (placed(axis * size) - zero) / static_cast<double>(size); };
+    object.metric = shape_metric(row({1, 0, 0}), row({0, 1, 0}), row({0, 0, 1}));
+    const auto root = shape_root(object.metric);
     const auto number = static_cast<std::uint32_t>(scene.objects.size());
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         scene.positions.push_back(place ? place(mesh.positions[i]) : mesh.positions[i]);
+        scene.shape_positions.push_back(shape_position(root, mesh.positions[i]));
         scene.uv[0].emplace_back(0.0f, 0.0f);
         scene.uv[1].push_back(mesh.uv1.empty() ? Vec2f(0) : mesh.uv1[i]);
         scene.normals.emplace_back(0.0f, 0.0f, 0.0f);
