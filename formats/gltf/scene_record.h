@@ -73,7 +73,7 @@ struct MeshRecord {
 struct InstanceRecord {
     int node = -1;
     int mesh = -1;
-    std::string node_path;  ///< "/root/chair": names (or "#index"); siblings of one name get ":1", ":2". Unique.
+    std::string node_path;  ///< "/hall/chair": names (or "#index"); siblings of one name get ":1", ":2". Unique.
     Imath::M44d world;      ///< row vectors: p' = p * M
     /// Number within EXT_mesh_gpu_instancing of the node (node_path ends in "@k"), -1 for an ordinary node. All copies
     /// share one node and its materials, so the writer cannot give them lightmaps of their own.
