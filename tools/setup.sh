@@ -116,8 +116,10 @@ provide_xatlas() {
     local folder="$deps/xatlas.download"
     rm -rf "$folder"
     mkdir -p "$folder"
-    pip --disable-pip-version-check --no-cache-dir download --quiet --require-hashes --no-deps --no-binary :all: \
-        -r "$root/tools/requirements-xatlas.txt" -d "$folder" >&2 ||
+    # Source for xatlas alone: pip hands these two options on to its build tools. With "--no-binary :all:" the pip of
+    # Debian 12 builds those, and the tools that build them, from source: not over after eight minutes.
+    pip --disable-pip-version-check --no-cache-dir download --quiet --require-hashes --no-deps \
+        --only-binary :all: --no-binary xatlas -r "$root/tools/requirements-xatlas.txt" -d "$folder" >&2 ||
         fail "xatlas could not be downloaded." \
             "Either is the network gone, or the file is not the pinned one (see the message above)." \
             "Or put xatlas.h and xatlas.cpp into build/deps/xatlas by hand."
