@@ -24,6 +24,22 @@ int loop_start_token, loop_end_token;
 
 namespace luxel {
 
+namespace {
+
+/// The caller's side of a loop: what is before the loop happens before every body, and every body before what follows.
+struct LoopOrder {
+    LoopOrder() { LUXEL_BEFORE(loop_start_token); }
+    ~LoopOrder() { LUXEL_AFTER(loop_end_token); }
+};
+
+/// The body's side. Destructors, so that a body which throws is ordered too.
+struct BodyOrder {
+    BodyOrder() { LUXEL_AFTER(loop_start_token); }
+    ~BodyOrder() { LUXEL_BEFORE(loop_end_token); }
+};
+
+}  // namespace
+
 void flush_denormals() {
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
@@ -46,14 +62,13 @@ void parallel_for(std::size_t count, std::size_t grain, const std::function<void
 void parallel_ranges(std::size_t count, std::size_t range_size,
                      const std::function<void(std::size_t, std::size_t, std::size_t)>& body) {
     const std::size_t ranges = (count + range_size - 1) / range_size;
-    LUXEL_BEFORE(loop_start_token);
-    tbb::parallel_for(std::size_t{0}, ranges, [&](std::size_t range) {
-        LUXEL_AFTER(loop_start_token);
+    const auto run_range = [&](std::size_t range) {
+        const BodyOrder body_order;
         flush_denormals();
         body(range, range * range_size, std::min(count, (range + 1) * range_size));
-        LUXEL_BEFORE(loop_end_token);
-    });
-    LUXEL_AFTER(loop_end_token);
+    };
+    const LoopOrder loop_order;  // after the body and what it refers to: these too are written before the loop
+    tbb::parallel_for(std::size_t{0}, ranges, run_range);
 }
 
 }  // namespace luxel
