@@ -4,8 +4,9 @@
 
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/light_stages.h"
-#include "baker/bake/matrix_stages.h"
 #include "baker/bake/memory_plan.h"
+#include "baker/bake/solve_rounds.h"
+#include "baker/bake/verify.h"
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
 #include "baker/core/parallel.h"
@@ -33,6 +34,20 @@ void check_paths(const BakeOptions& options) {
     if (options.output.has_parent_path()) make_folder(options.output.parent_path());
 }
 
+void verify(const BakeFolder& folder, const Key& strip_key, const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
+    clock.stage("verify", [&] {
+        VerifyOptions options;
+        options.memory_bytes = plan.pooling_bytes;
+        const ProgressFunction progress = clock.progress("bytes");
+        // Files first, which is most of it; the other parts count in other units.
+        options.progress = [&](const char* what, std::uint64_t done, std::uint64_t total, const char*) {
+            if (progress && std::string_view(what) == "files") progress(done, total);
+        };
+        report.verification = verify_bake(list_folder(folder.root()), strip_key, options);
+        return false;
+    });
+}
+
 }  // namespace
 
 BakeReport bake(const BakeOptions& options) {
@@ -54,11 +69,13 @@ BakeReport bake(const BakeOptions& options) {
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.
+    Key strip_key;
     const BakedLight light = [&] {
-        const BakedMatrix matrix = prepare_matrix(options, *geometry, folder, plan, clock, report);
-        const BakedSolution solution = solve_patches(options, *geometry, matrix, folder, plan, clock, report);
-        return light_texels(options, *geometry, matrix, solution, folder, clock, report);
+        const SolvedScene solved = solve_in_rounds(options, *geometry, folder, plan, clock, report);
+        strip_key = solved.matrix.strip_key;
+        return light_texels(options, *geometry, solved.sources, solved.matrix, solved.solution, folder, clock, report);
     }();
+    if (options.verify) verify(folder, strip_key, plan, clock, report);
     write_outputs(options, *geometry, light, clock, report);
     return report;
 }

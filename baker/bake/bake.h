@@ -13,6 +13,9 @@
 
 namespace luxel {
 
+/// How form factors are found: formfactors/ray_estimator.h, formfactors/hemicube_estimator.h.
+enum class EstimatorKind { ray, hemicube };
+
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
@@ -21,8 +24,12 @@ struct BakeOptions {
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory
+    EstimatorKind estimator = EstimatorKind::ray;
+    std::uint32_t hemicube_resolution = 64;  ///< pixels along an edge, for EstimatorKind::hemicube
     std::uint32_t replicates = 4;        ///< independent ray sequences per patch
-    std::uint64_t rays = 1024;           ///< evidence rays per patch at least; rounded up to replicates * 2^k
+    std::uint64_t rays = 1024;           ///< evidence rays per patch, on average with importance, at least without
+    bool importance = true;              ///< choose by a thin first round who gets the rays; false: all the same
+    double error = 0;                    ///< wanted relative standard error of the patches' light; 0: `rays` decides
     std::uint32_t closure_iterations = 16;
     double tolerance = 1e-3;          ///< of the solve: bound of the relative error
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
@@ -32,6 +39,7 @@ struct BakeOptions {
     std::uint64_t seed = 0;
 
     std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< beside the scene's geometry
+    bool verify = false;  ///< check the bake folder at the end; findings are in the report
     unsigned threads = 0;                                 ///< 0: all cores
     std::string software = "luxel";                       ///< name and version for metadata
 

@@ -2,6 +2,7 @@
 
 #include <stdlib.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -29,6 +30,9 @@ BakeFolder::~BakeFolder() {
 }
 
 std::filesystem::path BakeFolder::atlas(const Key& key) const { return root_ / ("atlas-" + key.text() + ".lxa"); }
+std::filesystem::path BakeFolder::patches(const Key& strips) const { return root_ / ("patches-" + strips.text() + ".lxp"); }
+std::filesystem::path BakeFolder::plan(const Key& key) const { return root_ / ("plan-" + key.text() + ".lxl"); }
+std::filesystem::path BakeFolder::accuracy(const Key& key) const { return root_ / ("accuracy-" + key.text() + ".lxv"); }
 std::filesystem::path BakeFolder::closure(const Key& key) const { return root_ / ("closure-" + key.text() + ".lxc"); }
 std::filesystem::path BakeFolder::solution(const Key& key) const { return root_ / ("solution-" + key.text() + ".lxr"); }
 
@@ -46,6 +50,29 @@ std::filesystem::path BakeFolder::lightmaps(const Key& key) const {
     const auto folder = root_ / ("lightmaps-" + key.text());
     make_folder(folder);
     return folder;
+}
+
+void BakeFolder::discard(const Key& strips, const Key& closure_key, const Key& solution_key) const {
+    std::error_code ignored;
+    std::filesystem::remove(patches(strips), ignored);
+    std::filesystem::remove_all(root_ / ("strips-" + strips.text()), ignored);
+    std::filesystem::remove(closure(closure_key), ignored);
+    std::filesystem::remove(solution(solution_key), ignored);
+}
+
+std::optional<BakeFolder::StageName> BakeFolder::stage_of(const std::filesystem::path& name) {
+    static constexpr std::array<std::pair<const char*, const char*>, 9> stages{
+        {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"},
+         {"solution", ".lxr"}, {"accuracy", ".lxv"}, {"lightmaps", ""}}};
+    const std::string text = name.filename().string();
+    for (const auto& [stage, ending] : stages) {
+        const std::string prefix = std::string(stage) + "-";
+        if (!text.starts_with(prefix) || text.size() != prefix.size() + 32 + std::strlen(ending) ||
+            !text.ends_with(ending))
+            continue;
+        if (const auto key = parse_key(text.substr(prefix.size(), 32))) return StageName{stage, *key};
+    }
+    return {};
 }
 
 std::filesystem::path BakeFolder::evidence_file(const std::filesystem::path& folder, std::uint32_t chunk) {

@@ -3,13 +3,18 @@
 ///     atlas-<key>.lxa                     unwrap/atlas_file.h
 ///     evidence-<key>/chunk-<n>.lxe        formats/bake/evidence_file.md
 ///     strips-<key>/strip-<n>.lxs          formats/bake/strip_file.md
+///     patches-<key>.lxp                   formats/bake/patches_file.md; the key is that of the strips
+///     plan-<key>.lxl                      stage_files.h
 ///     closure-<key>.lxc                   stage_files.h
 ///     solution-<key>.lxr                  stage_files.h
+///     accuracy-<key>.lxv                  stage_files.h
 ///     lightmaps-<key>/page-<n>.lxp        stage_files.h
 ///
 /// <key> is the hash of the stage's inputs and options: another input gives another name, so nothing is ever stale.
 #pragma once
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "formats/base/hash.h"
 
@@ -27,12 +32,26 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path atlas(const Key& key) const;
     [[nodiscard]] std::filesystem::path evidence(const Key& key) const;  ///< folder, made if missing
     [[nodiscard]] std::filesystem::path strips(const Key& key) const;    ///< folder, made if missing
+    [[nodiscard]] std::filesystem::path patches(const Key& strips) const;
+    [[nodiscard]] std::filesystem::path plan(const Key& key) const;
     [[nodiscard]] std::filesystem::path closure(const Key& key) const;
     [[nodiscard]] std::filesystem::path solution(const Key& key) const;
+    [[nodiscard]] std::filesystem::path accuracy(const Key& key) const;
     [[nodiscard]] std::filesystem::path lightmaps(const Key& key) const;  ///< folder, made if missing
+
+    /// Removes a matrix that only served to choose rays, and what was found with it; what is not there is no error.
+    void discard(const Key& strips, const Key& closure, const Key& solution) const;
 
     static std::filesystem::path evidence_file(const std::filesystem::path& folder, std::uint32_t chunk);
     static std::filesystem::path lightmap_file(const std::filesystem::path& folder, std::uint32_t page);
+
+    /// The stage and key that a file or folder of the root is named after: "strips-<key>" -> {"strips", key}. Empty: not
+    /// one of ours.
+    struct StageName {
+        std::string stage;
+        Key key;
+    };
+    static std::optional<StageName> stage_of(const std::filesystem::path& name);
 
   private:
     std::filesystem::path root_;

@@ -7,6 +7,7 @@
 #include "baker/patches/texel_raster.h"
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
+#include "baker/trace/visible_area.h"
 #include "baker/unwrap/atlas_file.h"
 #include "formats/gltf/gltf_in.h"
 #include "formats/image/image_file.h"
@@ -78,6 +79,21 @@ bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const St
     return reused;
 }
 
+/// What of the surface is not visible: patches keep their ids when something else covers a part of them.
+void add_visible(const TexelSet& texels, KeyBuilder& key) {
+    for (std::size_t page = 0; page < texels.pages.size(); ++page) {
+        const std::vector<Fragment>& fragments = texels.pages[page].fragments;
+        for (std::size_t f = 0; f < fragments.size(); ++f)
+            if (fragments[f].visible != all_visible)
+                key.integer(static_cast<std::int64_t>(page)).integer(static_cast<std::int64_t>(f)).integer(fragments[f].visible);
+    }
+}
+
+/// A patch that a wall cuts, and the next one, which drafts interpolate with, lie within two sides of a cell.
+float reach_behind_walls_m(const BakeOptions& options, const Atlas& atlas) {
+    return 2 * static_cast<float>(options.patch_texels) / atlas.texels_per_metre;
+}
+
 void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     const std::vector<bool> open_backs = find_open_backs(g.scene, g.atlas, g.patches, *g.tracer);
     g.patches = add_back_sides(std::move(g.patches), open_backs);
@@ -86,9 +102,10 @@ void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& re
     g.layout = std::move(tiling.layout);
     report.patches = g.patches.count();
     report.chunks = g.layout.chunk_count();
-    KeyBuilder key("chunks 1");
+    KeyBuilder key("chunks 2");
     key.key(atlas_key(g.scene, options.unwrap)).integer(options.patch_texels);
     for (const Patch& patch : g.patches.patches) key.integer(static_cast<std::int64_t>(patch.id));
+    add_visible(g.texels, key);
     g.layout_key = key.array(std::span<const PatchNumber>(g.layout.first_patch)).finish();
 }
 
@@ -120,12 +137,16 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
         report.texels = g->texels.texel_count();
         return false;
     });
+    clock.stage("visible", [&] {
+        g->tracer = std::make_unique<Tracer>(g->scene);
+        find_visible_area(g->scene, g->atlas, *g->tracer, reach_behind_walls_m(options, g->atlas), g->texels);
+        return false;
+    });
     clock.stage("patches", [&] {
         g->patches = build_patches(g->scene, g->atlas, g->texels, {options.patch_texels});
         return false;
     });
     clock.stage("chunks", [&] {
-        g->tracer = std::make_unique<Tracer>(g->scene);
         number_patches(options, *g, report);
         return false;
     });

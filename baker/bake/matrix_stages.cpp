@@ -1,55 +1,10 @@
 #include "baker/bake/matrix_stages.h"
 
 #include "baker/bake/stage_files.h"
-#include "baker/formfactors/evidence.h"
-#include "baker/formfactors/ray_estimator.h"
 #include "baker/store/pooling.h"
 
 namespace luxel {
 namespace {
-
-struct EvidenceSet {
-    std::vector<std::filesystem::path> files;
-    Key key;
-};
-
-std::vector<PatchId> patch_ids(const PatchSet& patches) {
-    std::vector<PatchId> ids;
-    for (const Patch& patch : patches.patches) ids.push_back(patch.id);
-    return ids;
-}
-
-EvidenceSet collect_evidence(const BakeOptions& options, const BakedGeometry& g, std::span<const PatchId> ids,
-                             const BakeFolder& folder, StageClock& clock, BakeReport& report) {
-    const auto estimator =
-        make_ray_estimator(g.scene, g.atlas, g.patches, *g.tracer, {options.seed, options.replicates});
-    const LevelPlan plan = uniform_plan(g.patches.count(), options.replicates, options.rays);
-    KeyBuilder key("evidence 1");
-    key.key(g.layout_key).key(estimator->identity());
-    for (const LevelRange& levels : plan.levels) key.integer(levels.first).integer(levels.last);
-    EvidenceSet evidence;
-    evidence.key = key.finish();
-    const auto place = folder.evidence(evidence.key);
-    report.evidence_rays = planned_rays(plan, options.replicates, 0, g.layout.patch_count());
-    clock.stage("evidence", [&] {
-        ProgressCounter progress(report.evidence_rays, clock.progress("rays"));
-        bool reused = true;
-        for (ChunkNumber chunk = 0; chunk < g.layout.chunk_count(); ++chunk) {
-            evidence.files.push_back(BakeFolder::evidence_file(place, chunk));
-            if (block_file_is_whole(evidence.files.back(), FileKind::evidence, evidence_version, evidence.key)) {
-                progress.add(planned_rays(plan, options.replicates, g.layout.first_patch[chunk],
-                                          g.layout.first_patch[chunk + 1]));
-                continue;
-            }
-            reused = false;
-            write_chunk_evidence(*estimator, g.layout, ids, chunk, plan, evidence.files.back(), evidence.key, &progress);
-        }
-        return reused;
-    });
-    report.evidence_seconds = clock.last_seconds();
-    report.evidence_rounds = 1;
-    return evidence;
-}
 
 Closure close_matrix(const BakeOptions& options, const BakedMatrix& matrix) {
     const StripTallies& tallies = matrix.strips->tallies();
@@ -62,25 +17,29 @@ Closure close_matrix(const BakeOptions& options, const BakedMatrix& matrix) {
 
 }  // namespace
 
-BakedMatrix prepare_matrix(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder,
-                           const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
-    const std::vector<PatchId> ids = patch_ids(g.patches);
-    const EvidenceSet evidence = collect_evidence(options, g, ids, folder, clock, report);
+MatrixKeys matrix_keys(const BakeOptions& options, const EvidenceRounds& evidence) {
+    const Key strips = KeyBuilder("strips 1").key(evidence.key()).finish();
+    return {strips, KeyBuilder("closure 2").key(strips).integer(options.closure_iterations).finish()};
+}
+
+BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& g, const EvidenceRounds& evidence,
+                         const BakeFolder& folder, const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
     BakedMatrix matrix;
-    const Key strip_key = KeyBuilder("strips 1").key(evidence.key).finish();
-    const auto place = folder.strips(strip_key);
+    const MatrixKeys keys = matrix_keys(options, evidence);
+    const auto place = folder.strips(keys.strips);
     clock.stage("pooling", [&] {
         for (const Patch& patch : g.patches.patches) matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
-        const bool wrote = pool_evidence(g.layout, ids, evidence.files, evidence.key, place, strip_key,
+        const bool wrote = pool_evidence(g.layout, evidence.ids(), evidence.files(), place, keys.strips,
                                          {plan.pooling_bytes, folder.root()}, clock.progress("files"));
-        matrix.strips = std::make_unique<StripStore>(place, strip_key, g.layout);
+        matrix.strips = std::make_unique<StripStore>(place, keys.strips, g.layout);
         return !wrote;
     });
     report.blocks = matrix.strips->blocks().size();
     report.pairs = matrix.strips->pair_count();
     report.store_bytes = matrix.strips->file_bytes();
 
-    matrix.key = KeyBuilder("closure 1").key(strip_key).integer(options.closure_iterations).finish();
+    matrix.strip_key = keys.strips;
+    matrix.key = keys.closure;
     clock.stage("closure", [&] {
         const auto path = folder.closure(matrix.key);
         if (auto closure = load_closure(path, matrix.key, g.patches.count())) {
@@ -91,9 +50,7 @@ BakedMatrix prepare_matrix(const BakeOptions& options, const BakedGeometry& g, c
         save_closure(path, matrix.key, matrix.closure);
         return false;
     });
-    report.closure_iterations = matrix.closure.report.iterations;
-    report.closure_row_error_before = matrix.closure.report.max_row_error_before;
-    report.closure_row_error_after = matrix.closure.report.max_row_error_after;
+    report.closure = matrix.closure.report;
     return matrix;
 }
 

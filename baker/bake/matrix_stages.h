@@ -1,6 +1,7 @@
-/// The middle of the way: rays -> evidence files -> strips -> closure. On disk; nothing here keeps the matrix in memory.
+/// The middle of the way: evidence files -> strips -> closure. On disk; nothing here keeps the matrix in memory.
 #pragma once
 #include "baker/bake/bake_folder.h"
+#include "baker/bake/evidence_rounds.h"
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/memory_plan.h"
 #include "baker/formfactors/closure.h"
@@ -12,10 +13,18 @@ struct BakedMatrix {
     std::unique_ptr<StripStore> strips;
     Closure closure;
     std::vector<double> area_m2;  ///< per patch
+    Key strip_key;                ///< names the strips
     Key key;                      ///< of everything above
 };
 
-BakedMatrix prepare_matrix(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder,
-                           const MemoryPlan& plan, StageClock& clock, BakeReport& report);
+/// Names of what build_matrix() leaves in the bake folder, known before it is built.
+struct MatrixKeys {
+    Key strips, closure;
+};
+MatrixKeys matrix_keys(const BakeOptions& options, const EvidenceRounds& evidence);
+
+/// Pools and closes everything traced so far. Stages "pooling" and "closure".
+BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& geometry, const EvidenceRounds& evidence,
+                         const BakeFolder& folder, const MemoryPlan& plan, StageClock& clock, BakeReport& report);
 
 }  // namespace luxel

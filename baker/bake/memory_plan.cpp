@@ -14,8 +14,9 @@ constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
 /// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
 constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
 /// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
-/// padded to 4 in the kernels), closure (3), tallies and index by id.
-constexpr std::uint64_t bytes_per_patch = 320;
+/// padded to 4 in the kernels), closure (3), tallies and index by id. Afterwards those of the standard error take the place
+/// of the solver's: patterns, noise, sums (200), the result (48), beside what is known of the light (170).
+constexpr std::uint64_t bytes_per_patch = 420;
 /// A page on its way out: float RGB, mask, 8 bit RGB, and the encoders' copies of them.
 constexpr std::uint64_t bytes_per_page_texel = 12 + 1 + 3 + 24;
 /// Smallest share that pooling and the block cache work with.

@@ -2,9 +2,12 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "baker/bake/verify.h"
+#include "baker/formfactors/closure.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -29,8 +32,9 @@ struct BakeReport {
     std::uint64_t store_bytes = 0;
     std::uint64_t evidence_rays = 0, evidence_rounds = 0;
     double evidence_seconds = 0;
-    std::uint32_t closure_iterations = 0;
-    double closure_row_error_before = 0, closure_row_error_after = 0;
+    double standard_error = 0;  ///< relative, of the patches' light (accuracy/standard_error.h)
+    std::uint64_t least_rays = 0, most_rays = 0;  ///< of one patch
+    ClosureReport closure;
 
     std::string solver;
     double reads = 0, error_bound = 0;
@@ -41,6 +45,7 @@ struct BakeReport {
 
     std::vector<StageReport> stages;
     std::uint64_t budget_bytes = 0, peak_bytes = 0, geometry_bytes = 0, floor_bytes = 0;
+    std::optional<Verification> verification;  ///< of the bake folder, if it was wanted
     std::vector<Warning> warnings;
     std::vector<std::pair<std::string, std::string>> skipped;  ///< part, why
     std::vector<OutputReport> outputs;

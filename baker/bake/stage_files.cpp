@@ -37,6 +37,33 @@ bool absent(const std::filesystem::path& path) {
 
 }  // namespace
 
+void save_plan(const std::filesystem::path& path, const Key& key, const LevelPlan& plan) {
+    std::vector<std::uint8_t> first, last;
+    for (const LevelRange& levels : plan.levels) {
+        first.push_back(levels.first);
+        last.push_back(levels.last);
+    }
+    BlockFileWriter file(path, FileKind::plan, version, key);
+    append_column<std::uint8_t>(file, 0, first);
+    append_column<std::uint8_t>(file, 1, last);
+    file.publish();
+}
+
+std::optional<LevelPlan> load_plan(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::plan, version, &key);
+    check_blocks(file, 2);
+    const auto first = read_column<std::uint8_t>(file, 0), last = read_column<std::uint8_t>(file, 1);
+    check_size(file, first.size(), patch_count, "first");
+    check_size(file, last.size(), patch_count, "last");
+    LevelPlan plan;
+    for (std::size_t p = 0; p < patch_count; ++p) {
+        if (last[p] > highest_level) throw Error(ErrorCode::damaged_store, file.name(), "a level above " + std::to_string(highest_level));
+        plan.levels.push_back({first[p], last[p]});
+    }
+    return plan;
+}
+
 void save_closure(const std::filesystem::path& path, const Key& key, const Closure& closure) {
     BlockFileWriter file(path, FileKind::closure, version, key);
     append_column<double>(file, 0, closure.mu);
@@ -44,7 +71,8 @@ void save_closure(const std::filesystem::path& path, const Key& key, const Closu
     append_column<double>(file, 2, closure.row_open_m2);
     const ClosureReport& r = closure.report;
     const std::vector<double> report{static_cast<double>(r.iterations), r.max_row_error_before, r.mean_row_error_before,
-                                     r.max_row_error_after, r.mean_row_error_after, r.diagonal_share, r.remainder_share};
+                                     r.max_row_error_after, r.mean_row_error_after, r.diagonal_share, r.remainder_share,
+                                     static_cast<double>(r.short_rows), r.short_share, r.largest_change, r.mean_change};
     append_column<double>(file, 3, report);
     file.publish();
 }
@@ -61,8 +89,9 @@ std::optional<Closure> load_closure(const std::filesystem::path& path, const Key
     check_size(file, closure.mu.size(), patch_count, "mu");
     check_size(file, closure.diagonal_m2.size(), patch_count, "diagonal");
     check_size(file, closure.row_open_m2.size(), patch_count, "open");
-    check_size(file, report.size(), 7, "report");
-    closure.report = {static_cast<std::uint32_t>(report[0]), report[1], report[2], report[3], report[4], report[5], report[6]};
+    check_size(file, report.size(), 11, "report");
+    closure.report = {static_cast<std::uint32_t>(report[0]), report[1], report[2], report[3], report[4], report[5], report[6],
+                      static_cast<std::uint64_t>(report[7]), report[8], report[9], report[10]};
     return closure;
 }
 
@@ -107,6 +136,26 @@ std::optional<SolveResult> load_solution(const std::filesystem::path& path, cons
     const Bytes name = file.read(4);
     result.solver.assign(name.begin(), name.end());
     return result;
+}
+
+void save_accuracy(const std::filesystem::path& path, const Key& key, const StandardError& error) {
+    BlockFileWriter file(path, FileKind::accuracy, version, key);
+    append_column<double>(file, 0, flat(error.radiosity));
+    append_column<double>(file, 1, flat(error.irradiance));
+    append_column<double>(file, 2, std::vector<double>{error.relative});
+    file.publish();
+}
+
+std::optional<StandardError> load_accuracy(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::accuracy, version, &key);
+    check_blocks(file, 3);
+    const auto radiosity = read_column<double>(file, 0), irradiance = read_column<double>(file, 1);
+    const auto relative = read_column<double>(file, 2);
+    check_size(file, radiosity.size(), 3 * patch_count, "radiosity");
+    check_size(file, irradiance.size(), 3 * patch_count, "irradiance");
+    check_size(file, relative.size(), 1, "relative");
+    return StandardError{channels(radiosity), channels(irradiance), relative[0]};
 }
 
 void save_lightmap(const std::filesystem::path& path, const Key& key, std::span<const Rgb> irradiance) {

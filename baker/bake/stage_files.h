@@ -1,27 +1,39 @@
 /// Results of small stages in the bake folder: block files whose blocks are columns (formats/base/block_file.md).
 ///
 /// closure   kind 4, version 1: 0 mu (f64), 1 diagonal_m2 (f64), 2 row_open_m2 (f64), 3 report (f64: iterations, largest
-///           and mean row error before, the same after, diagonal share, remainder share).
+///           and mean row error before, the same after, diagonal share, remainder share,
+///           short rows, their share, largest and mean change).
 /// solution  kind 5, version 1: 0 radiosity (f64, 3 per patch), 1 unshot (f64, 3 per patch), 2 report (f64: error bound,
 ///           reads, converged 0/1), 3 history (f64 pairs: bytes read, bound), 4 name of the solver (text),
 ///           5 irradiance (f64, 3 per patch).
+/// plan      kind 9, version 1: 0 first level, 1 last level of this round (u8 each, per patch; first > last: none).
+/// accuracy  kind 10, version 1: 0 sigma of radiosity (f64, 3 per patch), 1 sigma of irradiance (f64, 3 per patch),
+///           2 relative error (f64).
 /// lightmap  kind 6, version 1: 0 irradiance (f32, 3 per texel of the page, in texel order).
 #pragma once
 #include <filesystem>
 #include <optional>
 
+#include "baker/accuracy/standard_error.h"
 #include "baker/formfactors/closure.h"
+#include "baker/formfactors/level_plan.h"
 #include "baker/solver/solver.h"
 #include "formats/base/block_file.h"
 
 namespace luxel {
 
+void save_plan(const std::filesystem::path& path, const Key& key, const LevelPlan& plan);
+/// Empty if the file is absent, here and below. Throws Error{damaged_store} for damage or sizes other than patch_count.
+std::optional<LevelPlan> load_plan(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
+
 void save_closure(const std::filesystem::path& path, const Key& key, const Closure& closure);
-/// Empty if the file is absent. Throws Error{damaged_store} for damage or sizes other than patch_count.
 std::optional<Closure> load_closure(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
 
 void save_solution(const std::filesystem::path& path, const Key& key, const SolveResult& result);
 std::optional<SolveResult> load_solution(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
+
+void save_accuracy(const std::filesystem::path& path, const Key& key, const StandardError& error);
+std::optional<StandardError> load_accuracy(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
 
 void save_lightmap(const std::filesystem::path& path, const Key& key, std::span<const Rgb> irradiance);
 std::optional<std::vector<Rgb>> load_lightmap(const std::filesystem::path& path, const Key& key, std::size_t texel_count);

@@ -38,8 +38,9 @@ PageImage page_image(const BakedGeometry& g, std::uint32_t page, const std::vect
     for (std::size_t k = 0; k < texels.size(); ++k) {
         const std::size_t at = std::size_t{texels[k].y} * size + texels[k].x;
         image.values[at] = irradiance[k];
-        image.mask[at] = texel_covered;
+        image.mask[at] = texels[k].visible_m2 > 0 ? texel_covered : texel_hidden;
     }
+    fill_hidden(image.values, image.mask, size, size);
     dilate(image.values, image.mask, size, size, std::max(1u, g.atlas.padding));
     return image;
 }

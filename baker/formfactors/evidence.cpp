@@ -47,6 +47,7 @@ class BlockBuilder {
         block_.rows.push_back({ids_[patch], static_cast<std::uint8_t>(replicate), levels.first, levels.last,
                                landings.open, landings.back, 0, 0});
         landings_.insert(landings_.end(), landings.patches.begin(), landings.patches.end());
+        weights_.insert(weights_.end(), landings.weights.begin(), landings.weights.end());
         row_end_.push_back(landings_.size());
     }
 
@@ -56,10 +57,17 @@ class BlockBuilder {
         NumberSet met(block_.targets.size());
         std::size_t at = 0;
         for (std::size_t row = 0; row < block_.rows.size(); ++row) {
-            for (; at < row_end_[row]; ++at) {
-                const std::uint32_t rank = rank_[landings_[at]];
-                if (!count[rank]++) met.insert(rank);
-            }
+            if (weights_.empty())
+                for (; at < row_end_[row]; ++at) {
+                    const std::uint32_t rank = rank_[landings_[at]];
+                    if (!count[rank]++) met.insert(rank);
+                }
+            else
+                for (; at < row_end_[row]; ++at) {
+                    const std::uint32_t rank = rank_[landings_[at]];
+                    if (!count[rank]) met.insert(rank);
+                    count[rank] += weights_[at];
+                }
             block_.rows[row].first = static_cast<std::uint32_t>(block_.counts.size());
             met.drain([&](std::uint32_t rank) {
                 block_.target_index.push_back(rank);
@@ -88,23 +96,12 @@ class BlockBuilder {
     std::span<const PatchId> ids_;
     EvidenceBlock block_;
     std::vector<PatchNumber> landings_;
+    std::vector<std::uint32_t> weights_;  ///< one per landing, or empty: one estimator either weighs all or none
     std::vector<std::size_t> row_end_;
     std::unique_ptr<std::uint32_t[]> rank_;
 };
 
 }  // namespace
-
-LevelPlan uniform_plan(std::size_t patch_count, std::uint32_t replicates, std::uint64_t rays) {
-    std::uint8_t last = 0;
-    while (last < 31 && (std::uint64_t{replicates} << last) < rays) ++last;
-    return {std::vector<LevelRange>(patch_count, LevelRange{0, last})};
-}
-
-std::uint64_t planned_rays(const LevelPlan& plan, std::uint32_t replicates, PatchNumber begin, PatchNumber end) {
-    std::uint64_t rays = 0;
-    for (PatchNumber patch = begin; patch < end; ++patch) rays += ray_count(plan.levels[patch]) * replicates;
-    return rays;
-}
 
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
                           ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
@@ -119,6 +116,7 @@ void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout,
         BlockBuilder builder(ids);
         std::vector<Landings> landings;
         for (PatchNumber patch = begin; patch < block_end; ++patch) {
+            if (plan.levels[patch].empty()) continue;
             estimator.cast(patch, plan.levels[patch], landings);
             for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
                 builder.add(patch, replicate, plan.levels[patch], landings[replicate]);
@@ -126,7 +124,7 @@ void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout,
         const EvidenceBlock evidence = builder.finish();
         first_record[block + 1] = evidence.rows.size();
         blocks[block] = BlockFileWriter::pack(encode_evidence(evidence), 1);
-        if (progress) progress->add(planned_rays(plan, estimator.replicate_count(), begin, block_end));
+        if (progress) progress->add(planned_rays(plan, estimator, begin, block_end));
     });
     BlockFileWriter file(path, FileKind::evidence, evidence_version, key);
     std::uint64_t record = 0;

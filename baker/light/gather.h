@@ -1,7 +1,7 @@
 /// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, rays aimed at
 /// emitting patches (up to half of all; none where emitters fill the view; the two are combined by multiple importance sampling, so the mean
 /// depends on neither), and shadow rays to lamps. A texel's value is the mean over the part of its square that the
-/// surface covers.
+/// surface covers and that does not lie inside a solid; 0 where all of it does.
 /// Source: Cohen, Greenberg, Immel, Brock, An Efficient Radiosity Approach for Realistic Image Synthesis, IEEE CG&A 6(3)
 /// 1986 (patches shoot, elements receive); Reichert, A Two-Pass Radiosity Method, 1992 (final gather).
 #pragma once

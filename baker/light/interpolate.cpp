@@ -56,9 +56,10 @@ std::vector<Rgb> interpolate_page(const Atlas& atlas, const TexelSet& texels, co
                                   std::span<const Rgb> patch_irradiance, std::uint32_t page, std::uint32_t patch_texels,
                                   Interpolation interpolation) {
     const PageTexels& content = texels.pages[page];
-    std::vector<Rgb> result(content.texels.size());
+    std::vector<Rgb> result(content.texels.size(), Rgb(0, 0, 0));
     parallel_for(result.size(), 1024, [&](std::size_t k) {
         const Texel& texel = content.texels[k];
+        if (texel.visible_m2 <= 0) return;
         const PatchNumber own = patches.page_patch[page][std::size_t{texel.y} * patches.page_size + texel.x];
         result[k] = interpolation == Interpolation::constant
                         ? patch_irradiance[own]

@@ -14,7 +14,7 @@ enum class Interpolation {
 };
 
 /// Irradiance (lux) of each texel of page `page` in texel order, from the irradiance per patch number. Never reads across
-/// a chart border. `patch_texels`: side of a cell, as in PatchOptions.
+/// a chart border. 0 where nothing of a texel is visible. `patch_texels`: side of a cell, as in PatchOptions.
 std::vector<Rgb> interpolate_page(const Atlas& atlas, const TexelSet& texels, const PatchSet& patches,
                                   std::span<const Rgb> patch_irradiance, std::uint32_t page, std::uint32_t patch_texels,
                                   Interpolation interpolation);

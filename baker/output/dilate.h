@@ -1,4 +1,5 @@
-/// Fills the padding around charts, so that a viewer's bilinear filter and mipmaps never mix in texels without surface.
+/// Fills the padding around charts, so that a viewer's bilinear filter and mipmaps never mix in texels without surface, and
+/// the texels whose surface lies inside solids.
 ///
 /// values   one per texel of a page, row 0 at the top; changed only where `mask` is empty.
 /// mask     per texel: 0 empty, anything else holds a value. Filled texels become texel_filled.
@@ -17,8 +18,14 @@
 namespace luxel {
 
 constexpr std::uint8_t texel_empty = 0, texel_covered = 1, texel_filled = 2;
+/// Covered by surface inside a solid: no light of its own. Only fill_hidden() takes it.
+constexpr std::uint8_t texel_hidden = 3;
 
 void dilate(std::span<Rgb> values, std::span<std::uint8_t> mask, std::uint32_t width, std::uint32_t height,
             std::uint32_t steps);
+
+/// Fills hidden texels from what they touch, step by step like dilate(), until nothing changes; empty ones are no source.
+/// Those that touch nothing in any number of steps become empty.
+void fill_hidden(std::span<Rgb> values, std::span<std::uint8_t> mask, std::uint32_t width, std::uint32_t height);
 
 }  // namespace luxel

@@ -20,9 +20,9 @@ constexpr PatchNumber no_patch = 0xffffffffu;
 
 struct Patch {
     PatchId id = 0;
-    Vec3f center;            ///< area-weighted mean position, m
+    Vec3f center;            ///< area-weighted mean position of what is visible, m
     Vec3f normal;            ///< unit, area-weighted mean; points away from the side that the patch is
-    float area_m2 = 0;       ///< > 0
+    float area_m2 = 0;       ///< > 0: the visible area
     Rgb reflectance;         ///< area-weighted mean, 0..1
     Rgb emission;            ///< exitance M, lm/m2; area times M is the exact power of its texels
     std::uint32_t chart = 0;
@@ -33,10 +33,11 @@ struct Patch {
 /// Patches in number order with the surface they stand for.
 struct PatchSet {
     std::vector<Patch> patches;
-    /// Fragments of patch p: fragments[fragment_begin[p] .. fragment_begin[p + 1]), in raster order (y, x, triangle).
+    /// Fragments of patch p with a visible cell: fragments[fragment_begin[p] .. fragment_begin[p + 1]), in raster order (y, x, triangle).
     std::vector<std::uint32_t> fragment_begin;
     std::vector<Fragment> fragments;
-    /// Per page, page_size * page_size: number of the front patch of each texel, no_patch where nothing is covered.
+    /// Per page, page_size * page_size: number of the front patch of each texel, no_patch where nothing is covered or all
+    /// of the patch lies inside solids. A patch's hidden texels bear its number.
     std::vector<std::vector<PatchNumber>> page_patch;
     std::uint32_t page_size = 0;
 

@@ -16,9 +16,9 @@ namespace {
 class ChartPatches {
   public:
     /// `texel_at` is the page's image of texel numbers (none: free).
-    ChartPatches(const Chart& chart, const std::vector<std::uint32_t>& texel_at, std::uint32_t page_size,
-                 std::uint32_t k)
-        : chart_(chart), texel_at_(texel_at), page_size_(page_size), k_(k) {}
+    ChartPatches(const Chart& chart, const PageTexels& page, const std::vector<std::uint32_t>& texel_at,
+                 std::uint32_t page_size, std::uint32_t k)
+        : chart_(chart), page_(page), texel_at_(texel_at), page_size_(page_size), k_(k) {}
 
     struct Found {
         std::uint32_t cell_x, cell_y, set;
@@ -65,30 +65,39 @@ class ChartPatches {
             std::sort(members_.begin(), members_.end());
             Found& patch = found.emplace_back(Found{cell_x, cell_y, set++, {}});
             for (const std::uint32_t at : members_) patch.texels.push_back(texel(x0 + at % w, y0 + at / w));
+            // Inside a solid altogether: no patch. Its number stays taken, so that other patches keep their names.
+            if (!is_visible(patch)) found.pop_back();
         }
     }
 
+    [[nodiscard]] bool is_visible(const Found& patch) const {
+        return std::any_of(patch.texels.begin(), patch.texels.end(),
+                           [&](std::uint32_t t) { return page_.texels[t].visible_m2 > 0; });
+    }
+
     const Chart& chart_;
+    const PageTexels& page_;
     const std::vector<std::uint32_t>& texel_at_;
     std::uint32_t page_size_, k_;
     std::vector<std::uint8_t> seen_;
     std::vector<std::uint32_t> stack_, members_;
 };
 
-/// Area-weighted means over the texels of one patch.
+/// Means over the visible area of the texels of one patch.
 Patch mean_patch(const Scene& scene, const Atlas& atlas, const PageTexels& page,
                  const std::vector<std::uint32_t>& texels) {
     double area = 0, largest = 0;
     Vec3d center(0), normal(0), largest_normal(0), reflectance(0), emission(0);
     for (const std::uint32_t t : texels) {
         const Texel& texel = page.texels[t];
-        const double texel_area = texel.area_m2;
+        const double texel_area = texel.visible_m2;
         area += texel_area;
         reflectance += to_double(texel.reflectance) * texel_area;
         emission += to_double(texel.emission) * texel_area;
         for (std::uint32_t f = texel.first_fragment; f < texel.first_fragment + texel.fragment_count; ++f) {
             const Fragment& fragment = page.fragments[f];
-            const double weight = fragment.area_m2;
+            const double weight = fragment.visible_m2();
+            if (weight <= 0) continue;
             const Vec2f middle = fragment_polygon(scene, atlas, fragment).centroid();
             center += to_double(surface_position(scene, fragment.triangle, middle)) * weight;
             const Vec3d facing = scene.area_vector(fragment.triangle).normalized();
@@ -118,6 +127,12 @@ std::vector<std::vector<std::uint32_t>> texel_images(const TexelSet& texels) {
     return images;
 }
 
+std::uint32_t visible_fragments(const PageTexels& page, const Texel& texel) {
+    const auto first = page.fragments.begin() + texel.first_fragment;
+    return static_cast<std::uint32_t>(
+        std::count_if(first, first + texel.fragment_count, [](const Fragment& f) { return f.visible != none_visible; }));
+}
+
 /// Writes patch `number` and its fragments at their places, which are known beforehand.
 void write_patch(const PageTexels& page, const ChartPatches::Found& found, PatchNumber number,
                  std::uint32_t fragment_at, std::vector<PatchNumber>& image, PatchSet& set) {
@@ -125,7 +140,8 @@ void write_patch(const PageTexels& page, const ChartPatches::Found& found, Patch
         const Texel& texel = page.texels[t];
         image[std::size_t{texel.y} * set.page_size + texel.x] = number;
         for (std::uint32_t f = 0; f < texel.fragment_count; ++f)
-            set.fragments[fragment_at++] = page.fragments[texel.first_fragment + f];
+            if (const Fragment& fragment = page.fragments[texel.first_fragment + f]; fragment.visible)
+                set.fragments[fragment_at++] = fragment;
     }
 }
 
@@ -149,7 +165,8 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
     std::vector<std::vector<ChartPatches::Found>> found(atlas.charts.size());
     parallel_for(found.size(), 16, [&](std::size_t c) {
         const Chart& chart = atlas.charts[c];
-        found[c] = ChartPatches(chart, texel_at[chart.page], texels.page_size, options.patch_texels).find();
+        found[c] = ChartPatches(chart, texels.pages[chart.page], texel_at[chart.page], texels.page_size, options.patch_texels)
+                       .find();
     });
     PatchSet set;
     set.page_size = texels.page_size;
@@ -162,7 +179,7 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
         const PageTexels& page = texels.pages[atlas.charts[c].page];
         for (const auto& patch : found[c]) {
             std::uint32_t fragments = 0;
-            for (const std::uint32_t t : patch.texels) fragments += page.texels[t].fragment_count;
+            for (const std::uint32_t t : patch.texels) fragments += visible_fragments(page, page.texels[t]);
             set.fragment_begin.push_back(set.fragment_begin.back() + fragments);
         }
     }

@@ -85,6 +85,7 @@ bool SurfaceSampler::make_flat(const Atlas& atlas, std::span<const Fragment> fra
     std::uint32_t right = box.x;
     double area_m2 = 0;
     for (const Fragment& fragment : fragments) {
+        if (fragment.visible != all_visible) return false;
         box.x = std::min<std::uint32_t>(box.x, fragment.x);
         right = std::max<std::uint32_t>(right, fragment.x);
         area_m2 += static_cast<double>(fragment.area_m2);
@@ -108,28 +109,30 @@ bool SurfaceSampler::make_flat(const Atlas& atlas, std::span<const Fragment> fra
 
 void SurfaceSampler::cut_pieces(const Atlas& atlas, std::span<const Fragment> fragments) {
     double total = 0;
-    for (const Fragment& fragment : fragments) total += static_cast<double>(fragment.area_m2);
+    for (const Fragment& fragment : fragments) total += static_cast<double>(fragment.visible_m2());
     pieces_.reserve(fragments.size());
     double before = 0;
     for (std::size_t begin = 0; begin < fragments.size();) {
         std::size_t end = begin;
         double row_area = 0;
         for (; end < fragments.size() && fragments[end].y == fragments[begin].y; ++end)
-            row_area += static_cast<double>(fragments[end].area_m2);
+            row_area += static_cast<double>(fragments[end].visible_m2());
         const auto first = static_cast<std::uint32_t>(pieces_.size());
         double in_row = 0;
         for (std::size_t k = begin; k < end; ++k) {
-            const double area = static_cast<double>(fragments[k].area_m2);
+            const double area = static_cast<double>(fragments[k].visible_m2());
+            if (area <= 0) continue;
             const Vec3f normal = scene_.geometric_normal(fragments[k].triangle);
             pieces_.push_back({FragmentPolygon(scene_, atlas, fragments[k]), fragments[k].triangle,
-                               back_ ? -normal : normal, static_cast<float>(in_row / row_area),
+                               back_ ? -normal : normal, fragments[k].visible, static_cast<float>(in_row / row_area),
                                static_cast<float>(area / row_area)});
             in_row += area;
         }
+        begin = end;
+        if (row_area <= 0) continue;
         rows_.push_back({first, static_cast<std::uint32_t>(pieces_.size()), static_cast<float>(before / total),
                          static_cast<float>(row_area / total)});
         before += row_area;
-        begin = end;
     }
 }
 
@@ -139,7 +142,8 @@ SurfacePoint SurfaceSampler::point(float u, float v) const {
                 flat_.barycentric + flat_.barycentric_u * u + flat_.barycentric_v * v};
     const Row& row = pick(std::span<const Row>(rows_), v);
     const Piece& piece = pick(std::span<const Piece>(pieces_).subspan(row.first, row.end - row.first), u);
-    const Vec2f barycentric = piece.polygon.point(place_in(piece, u), place_in(row, v));
+    const Vec2f place = onto_visible(piece.visible, place_in(piece, u), place_in(row, v));
+    const Vec2f barycentric = piece.polygon.point(place.x, place.y);
     return {surface_position(scene_, piece.triangle, barycentric), piece.normal, piece.triangle, barycentric};
 }
 

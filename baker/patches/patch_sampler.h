@@ -1,4 +1,4 @@
-/// Uniform points on a piece of surface, in a way that keeps the strata of a two-dimensional sample pattern: v picks the
+/// Uniform points on the visible part of a piece of surface, in a way that keeps the strata of a two-dimensional sample pattern: v picks the
 /// row of texels and the place in it, u the fragment of the row and the place in that.
 #pragma once
 #include <span>
@@ -27,11 +27,11 @@ struct Parallelogram {
 
 class SurfaceSampler {
   public:
-    /// `fragments` in raster order (y, x, triangle), not empty; `back`: sample the other side of the surface.
+    /// `fragments` in raster order (y, x, triangle), with a visible cell among them; `back`: sample the other side.
     /// The references must outlive the sampler. Threads: const and reentrant.
     SurfaceSampler(const Scene& scene, const Atlas& atlas, std::span<const Fragment> fragments, bool back);
 
-    /// Uniform over the area for uniform u, v in [0, 1).
+    /// Uniform over the visible area for uniform u, v in [0, 1).
     [[nodiscard]] SurfacePoint point(float u, float v) const;
     /// Set when the whole surface is one parallelogram; point() then follows exactly this map.
     [[nodiscard]] const Parallelogram* flat() const { return is_flat_ ? &flat_ : nullptr; }
@@ -43,6 +43,7 @@ class SurfaceSampler {
         FragmentPolygon polygon;
         std::uint32_t triangle;
         Vec3f normal;
+        VisibleCells visible;
         float share_before, share;  ///< of the row's area
     };
     struct Row {

@@ -5,7 +5,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/patches/fragment_polygon.h"
-#include "baker/scene/texture_sample.h"
+#include "baker/patches/texel_means.h"
 
 namespace luxel {
 namespace {
@@ -104,49 +104,6 @@ class TriangleCutter {
     double area_m2_ = 0, square_share_ = 0;
 };
 
-/// The texture is averaged over the fragment's bounding box on the page.
-SurfaceFootprint footprint_of(const Scene& scene, const Atlas& atlas, const Fragment& fragment) {
-    const FragmentPolygon polygon(scene, atlas, fragment);
-    SurfaceFootprint footprint;
-    footprint.b1 = polygon.centroid().x;
-    footprint.b2 = polygon.centroid().y;
-    Vec2f low = polygon.centroid(), high = low;
-    for (const Vec2f& corner : polygon.corners()) {
-        low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
-        high = {std::max(high.x, corner.x), std::max(high.y, corner.y)};
-    }
-    if (polygon.is_square()) {
-        footprint.side_s = polygon.corners()[1] - polygon.corners()[0];
-        footprint.side_t = polygon.corners()[3] - polygon.corners()[0];
-        return footprint;
-    }
-    footprint.side_s = {high.x - low.x, 0};
-    footprint.side_t = {0, high.y - low.y};
-    return footprint;
-}
-
-void fill_texel(const Scene& scene, const Atlas& atlas, const PageTexels& page, Texel& texel) {
-    double area = 0;
-    Vec3d reflectance(0), emission(0);
-    for (std::uint32_t f = texel.first_fragment; f < texel.first_fragment + texel.fragment_count; ++f) {
-        const Fragment& fragment = page.fragments[f];
-        const Material& material = scene.material_of(fragment.triangle);
-        const bool textured = material.base_texture != none || material.emissive_texture != none;
-        const SurfaceFootprint footprint = textured ? footprint_of(scene, atlas, fragment) : SurfaceFootprint{};
-        const Rgb rho = material.base_texture != none ? mean_reflectance(scene, fragment.triangle, footprint)
-                                                      : surface_reflectance(scene, fragment.triangle, 0, 0);
-        const Rgb exitance = material.emissive_texture != none ? mean_emission(scene, fragment.triangle, footprint)
-                                                               : surface_emission(scene, fragment.triangle, 0, 0);
-        const double weight = fragment.area_m2;
-        area += weight;
-        reflectance += to_double(rho) * weight;
-        emission += to_double(exitance) * weight;
-    }
-    texel.area_m2 = static_cast<float>(area);
-    texel.reflectance = to_float(reflectance / area);
-    texel.emission = to_float(emission / area);
-}
-
 /// Fragments of one page sorted by texel; inside a texel they keep the order of triangles.
 PageTexels sort_into_texels(const std::vector<std::vector<Fragment>>& parts, const std::vector<std::size_t>& of_page,
                             std::uint32_t page_size, const Atlas& atlas) {
@@ -203,7 +160,7 @@ TexelSet raster_texels(const Scene& scene, const Atlas& atlas) {
         for (const std::size_t p : parts_of_page[page]) std::vector<Fragment>().swap(fragments[p]);
     });
     for (PageTexels& page : set.pages)
-        parallel_for(page.texels.size(), 1024, [&](std::size_t t) { fill_texel(scene, atlas, page, page.texels[t]); });
+        parallel_for(page.texels.size(), 1024, [&](std::size_t t) { average_texel(scene, atlas, page, page.texels[t]); });
     return set;
 }
 

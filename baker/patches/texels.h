@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "baker/core/vec.h"
+#include "baker/patches/visible_cells.h"
 
 namespace luxel {
 
@@ -13,7 +14,10 @@ namespace luxel {
 struct Fragment {
     std::uint32_t triangle = 0;
     std::uint16_t x = 0, y = 0;  ///< texel on the page of the triangle's chart
-    float area_m2 = 0;           ///< > 0, exact area of the clipped polygon in the world
+    float area_m2 = 0;           ///< > 0, exact area of the clipped polygon in the world, visible or not
+    VisibleCells visible = all_visible;  ///< the raster leaves all; trace/visible_area.h takes away what is inside solids
+
+    [[nodiscard]] float visible_m2() const { return area_m2 * visible_share(visible); }
 };
 
 struct Texel {
@@ -21,8 +25,9 @@ struct Texel {
     std::uint32_t chart = 0;
     std::uint32_t first_fragment = 0, fragment_count = 0;  ///< run in PageTexels::fragments
     float area_m2 = 0;                                     ///< sum over its fragments
-    Rgb reflectance;                                       ///< area-weighted mean, 0..1
-    Rgb emission;                                          ///< area-weighted mean exitance M, lm/m2
+    float visible_m2 = 0;  ///< sum over their visible cells; 0: inside a solid, holds no light of its own
+    Rgb reflectance;       ///< mean over the visible area (the whole where none is), 0..1
+    Rgb emission;          ///< the same of the exitance M, lm/m2
 };
 
 /// One page: texels in raster order (y, then x), fragments in texel order.

@@ -4,36 +4,13 @@
 
 #include "baker/core/parallel.h"
 #include "baker/store/buckets.h"
+#include "baker/store/evidence_reader.h"
 #include "baker/store/pair_sort.h"
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/strip_file.h"
 
 namespace luxel {
 namespace {
-
-/// Stable ids to this run's numbers, by binary search in a sorted table.
-class IdIndex {
-  public:
-    explicit IdIndex(std::span<const PatchId> ids) : entries_(ids.size()) {
-        for (std::size_t k = 0; k < ids.size(); ++k) entries_[k] = {ids[k], static_cast<PatchNumber>(k)};
-        std::sort(entries_.begin(), entries_.end());
-    }
-    [[nodiscard]] PatchNumber find(PatchId id, const std::string& where) const {
-        const auto at = std::lower_bound(entries_.begin(), entries_.end(), Entry{id, 0});
-        if (at == entries_.end() || at->id != id)
-            throw Error(ErrorCode::damaged_store, where, "patch id " + std::to_string(id) + " is not in this scene",
-                        "the evidence belongs to another scene; use a fresh bake folder");
-        return at->number;
-    }
-
-  private:
-    struct Entry {
-        PatchId id;
-        PatchNumber number;
-        bool operator<(const Entry& o) const { return id < o.id; }
-    };
-    std::vector<Entry> entries_;
-};
 
 /// Adds to a 32-bit sum of rays; throws when it no longer fits.
 void add_rays(std::uint32_t& sum, std::uint64_t rays, const std::string& where) {
@@ -215,9 +192,8 @@ std::filesystem::path strip_path(const std::filesystem::path& folder, ChunkNumbe
 }
 
 bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
-                   std::span<const std::filesystem::path> evidence_files, const Key& evidence_key,
-                   const std::filesystem::path& strip_folder, const Key& strip_key, const PoolOptions& options,
-                   const ProgressFunction& progress) {
+                   std::span<const EvidenceFile> evidence_files, const std::filesystem::path& strip_folder, const Key& strip_key,
+                   const PoolOptions& options, const ProgressFunction& progress) {
     if (layout.chunk_count() > max_chunks)
         throw Error(ErrorCode::usage, "pooling", std::to_string(layout.chunk_count()) + " chunks, at most 65536 are possible",
                     "choose larger chunks with --chunk-patches");
@@ -228,8 +204,8 @@ bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
     Pooling pooling(layout, ids, options);
     const std::uint64_t steps = evidence_files.size() + layout.chunk_count();
     std::uint64_t done = 0;
-    for (const auto& path : evidence_files) {
-        pooling.deal(path, evidence_key);
+    for (const EvidenceFile& file : evidence_files) {
+        pooling.deal(file.path, file.key);
         if (progress) progress(++done, steps);
     }
     for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) {

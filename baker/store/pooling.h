@@ -8,6 +8,7 @@
 
 #include "baker/core/progress.h"
 #include "baker/formfactors/block_source.h"
+#include "formats/bake/evidence_file.h"
 #include "formats/base/hash.h"
 
 namespace luxel {
@@ -24,8 +25,7 @@ std::filesystem::path strip_path(const std::filesystem::path& folder, ChunkNumbe
 /// when all of them are there already. `ids`: stable id per patch number. Throws Error{damaged_store} for damaged evidence or ids that are
 /// not in this scene, Error{cannot_write}.
 bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
-                   std::span<const std::filesystem::path> evidence_files, const Key& evidence_key,
-                   const std::filesystem::path& strip_folder, const Key& strip_key, const PoolOptions& options,
-                   const ProgressFunction& progress);
+                   std::span<const EvidenceFile> evidence_files, const std::filesystem::path& strip_folder, const Key& strip_key,
+                   const PoolOptions& options, const ProgressFunction& progress);
 
 }  // namespace luxel

@@ -47,6 +47,12 @@ struct EvidenceBlock {
 
 constexpr std::uint32_t evidence_version = 1;
 
+/// A published file and the key that it must carry: every round of evidence has a key of its own.
+struct EvidenceFile {
+    std::filesystem::path path;
+    Key key;
+};
+
 /// Records in the given order with one table of targets. Pure.
 EvidenceBlock block_of(std::span<const EvidenceRecord> records);
 

@@ -38,6 +38,34 @@ Bytes encode_header(FileKind kind, std::uint32_t version, const Key& key) {
     return out.take();
 }
 
+struct Header {
+    std::uint32_t kind = 0, version = 0;
+    Key key;
+};
+
+/// The header of a file of this container, whatever it holds.
+Header read_header(const RandomFile& file, const std::string& where) {
+    if (file.size() < header_bytes + footer_bytes)
+        damaged(where, "file of " + std::to_string(file.size()) + " bytes is shorter than header and footer");
+    Bytes header(header_bytes);
+    file.read(0, header);
+    ByteCursor in(header, where);
+    if (in.get<std::uint64_t>("magic") != header_magic) damaged(where, "not a luxel block file (magic at byte 0)");
+    const auto container = in.get<std::uint32_t>("container version");
+    Header found;
+    found.kind = in.get<std::uint32_t>("kind");
+    found.version = in.get<std::uint32_t>("version");
+    if (in.get<std::uint32_t>("reserved") != 0) damaged(where, "reserved field at byte 20 is not zero");
+    found.key.low = in.get<std::uint64_t>("key");
+    found.key.high = in.get<std::uint64_t>("key");
+    if (in.get<std::uint64_t>("header checksum") != hash64(ByteView(header).first(header_bytes - 8)))
+        damaged(where, "header checksum mismatch at byte 40");
+    if (container != container_version)
+        damaged(where, "container version " + std::to_string(container) + ", this program reads " +
+                           std::to_string(container_version));
+    return found;
+}
+
 }  // namespace
 
 BlockFileWriter::BlockFileWriter(const std::filesystem::path& path, FileKind kind, std::uint32_t version,
@@ -93,28 +121,18 @@ void BlockFileWriter::publish() {
     file_.publish();
 }
 
+BlockFileIdentity identify_block_file(const std::filesystem::path& path) {
+    const RandomFile file(path);
+    const Header header = read_header(file, path.string());
+    return {static_cast<FileKind>(header.kind), header.version, header.key};
+}
+
 BlockFileReader::BlockFileReader(const std::filesystem::path& path, FileKind kind, std::uint32_t version,
                                  const Key* expected_key)
     : file_(path) {
     const std::string where = name();
-    if (file_.size() < header_bytes + footer_bytes)
-        damaged(where, "file of " + std::to_string(file_.size()) + " bytes is shorter than header and footer");
-
-    Bytes header(header_bytes);
-    file_.read(0, header);
-    ByteCursor in(header, where);
-    if (in.get<std::uint64_t>("magic") != header_magic) damaged(where, "not a luxel block file (magic at byte 0)");
-    const auto container = in.get<std::uint32_t>("container version");
-    const auto found_kind = in.get<std::uint32_t>("kind");
-    const auto found_version = in.get<std::uint32_t>("version");
-    if (in.get<std::uint32_t>("reserved") != 0) damaged(where, "reserved field at byte 20 is not zero");
-    key_.low = in.get<std::uint64_t>("key");
-    key_.high = in.get<std::uint64_t>("key");
-    if (in.get<std::uint64_t>("header checksum") != hash64(ByteView(header).first(header_bytes - 8)))
-        damaged(where, "header checksum mismatch at byte 40");
-    if (container != container_version)
-        damaged(where, "container version " + std::to_string(container) + ", this program reads " +
-                           std::to_string(container_version));
+    const auto [found_kind, found_version, found_key] = read_header(file_, where);
+    key_ = found_key;
     if (found_kind != static_cast<std::uint32_t>(kind))
         damaged(where, "file kind " + std::to_string(found_kind) + ", expected " +
                            std::to_string(static_cast<std::uint32_t>(kind)));

@@ -20,7 +20,10 @@ enum class FileKind : std::uint32_t {
     solution = 5,   ///< radiosity per patch
     lightmap = 6,   ///< float texels of one page
     sides = 7,      ///< which backs are open
-    lamps = 8       ///< direct light of lamps per patch
+    lamps = 8,      ///< direct light of lamps per patch
+    plan = 9,       ///< levels of rays of one round
+    accuracy = 10,  ///< standard error per patch
+    patches = 11    ///< bake/patches_file
 };
 
 /// Stored with each block: never renumber.
@@ -58,6 +61,14 @@ class BlockFileWriter {
     PublishedFile file_;
     std::vector<BlockEntry> entries_;
 };
+
+/// What a file says of itself: enough to open it. Throws Error{damaged_store}: missing, not a block file, damaged header.
+struct BlockFileIdentity {
+    FileKind kind = FileKind::atlas;
+    std::uint32_t version = 0;
+    Key key;
+};
+BlockFileIdentity identify_block_file(const std::filesystem::path& path);
 
 /// Threads: read() is const and reentrant.
 class BlockFileReader {

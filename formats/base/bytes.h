@@ -75,6 +75,13 @@ class ByteCursor {
         at_ += count * sizeof(T);
         return values;
     }
+    /// `count` bytes in place: valid as long as the bytes that the cursor reads.
+    ByteView get_view(std::uint64_t count, const char* field) {
+        if (count > remaining()) fail(field, "bytes are more than what is left");
+        const ByteView view = bytes_.subspan(at_, count);
+        at_ += count;
+        return view;
+    }
     std::uint64_t get_varint(const char* field) {
         std::uint64_t value = 0;
         for (unsigned shift = 0; shift < 64; shift += 7) {

@@ -18,6 +18,18 @@ std::string Key::text() const {
     return digits;
 }
 
+std::optional<Key> parse_key(std::string_view text) {
+    if (text.size() != 32) return {};
+    std::array<std::uint64_t, 2> halves{};
+    for (std::size_t k = 0; k < 32; ++k) {
+        const char c = text[k];
+        const bool digit = c >= '0' && c <= '9';
+        if (!digit && (c < 'a' || c > 'f')) return {};
+        halves[k / 16] = halves[k / 16] << 4 | static_cast<std::uint64_t>(digit ? c - '0' : c - 'a' + 10);
+    }
+    return Key{halves[1], halves[0]};
+}
+
 KeyBuilder::KeyBuilder(std::string_view purpose) : state_(XXH3_createState()) {
     if (!state_) throw std::bad_alloc();
     XXH3_128bits_reset(static_cast<XXH3_state_t*>(state_));

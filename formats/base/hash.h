@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,9 @@ struct Key {
     /// 32 lower-case hexadecimal digits.
     [[nodiscard]] std::string text() const;
 };
+
+/// The key that Key::text() wrote; empty for anything else.
+std::optional<Key> parse_key(std::string_view text);
 
 /// Builds a Key from parts. Every part is preceded by its size, so ("ab","c") and ("a","bc") differ.
 class KeyBuilder {

@@ -60,7 +60,8 @@ Rooms light_of_rooms(const BakeOptions& options, const BakeReport& report) {
         for (const Texel& texel : geometry->texels.pages[page].texels) {
             const PatchNumber patch =
                 geometry->patches.page_patch[page][std::size_t{texel.y} * geometry->patches.page_size + texel.x];
-            const double x = geometry->scene.origin.x + static_cast<double>(geometry->patches.patches[patch].center.x);
+            // Texels inside solids may be of no patch, and hold no light.
+            const double x = patch == no_patch ? 0 : geometry->scene.origin.x + static_cast<double>(geometry->patches.patches[patch].center.x);
             if (x > wall_x - 1e-3)
                 rooms.largest_unlit_texel = std::max(rooms.largest_unlit_texel, static_cast<double>(irradiance[at]));
             at += 3;

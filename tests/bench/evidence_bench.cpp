@@ -77,7 +77,9 @@ StageTimes run_stages(BakeOptions options, const BakedGeometry& geometry) {
     BakeReport report;
     StageClock clock(options, report);
     const MemoryPlan plan{0, std::uint64_t{512} << 20, std::uint64_t{512} << 20};
-    prepare_matrix(options, geometry, folder, plan, clock, report);
+    EvidenceRounds evidence(options, geometry, folder);
+    evidence.add(uniform_plan(geometry.patches.count(), options.replicates, options.rays), clock, report);
+    build_matrix(options, geometry, evidence, folder, plan, clock, report);
     finish();
     times.rays = report.evidence_rays, times.pairs = report.pairs, times.bytes = report.store_bytes;
     return times;

@@ -93,11 +93,12 @@ class Case(unittest.TestCase):
 
 class Help(Case):
     # A value that differs from the default, for every option of `luxel bake`.
-    VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--gather-rays": "8",
+    VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
+              "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
               "--threads": "1", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
-              "--report": "{folder}/report.json", "--quiet": ""}
+              "--report": "{folder}/report.json", "--verify": "", "--quiet": ""}
 
     def test_help(self):
         for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):

@@ -16,6 +16,7 @@
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
 #include "baker/trace/tracer.h"
+#include "baker/trace/visible_area.h"
 #include "baker/unwrap/unwrap.h"
 #include "tests/unit/unwrap/made_scene.h"
 
@@ -199,8 +200,10 @@ inline std::unique_ptr<Prepared> prepare(Scene scene, const PrepareOptions& opti
     std::vector<Warning> warnings;
     made->atlas = unwrap(made->scene, unwrapping, warnings, {});
     made->texels = raster_texels(made->scene, made->atlas);
-    made->patches = build_patches(made->scene, made->atlas, made->texels, {options.patch_texels});
     made->tracer = std::make_unique<Tracer>(made->scene);
+    find_visible_area(made->scene, made->atlas, *made->tracer,
+                      2 * static_cast<float>(options.patch_texels) / made->atlas.texels_per_metre, made->texels);
+    made->patches = build_patches(made->scene, made->atlas, made->texels, {options.patch_texels});
     const auto open = find_open_backs(made->scene, made->atlas, made->patches, *made->tracer);
     made->patches = add_back_sides(std::move(made->patches), open);
     Tiling tiling = tile_patches(made->patches, {options.chunk_patches});

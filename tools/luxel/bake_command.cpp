@@ -13,7 +13,9 @@
 #include "baker/bake/bake.h"
 #include "formats/base/file.h"
 #include "tools/luxel/progress_printer.h"
+#include "tools/luxel/inspect_text.h"
 #include "tools/luxel/report_json.h"
+#include "tools/luxel/size_option.h"
 
 namespace luxel {
 namespace {
@@ -25,16 +27,16 @@ struct Preset {
     std::uint32_t gather_rays, lamp_points;
     double tolerance;
 };
-constexpr std::array<Preset, 3> presets{{{"draft", 256, 0, 4, 1e-2}, {"medium", 1024, 256, 4, 1e-3}, {"high", 4096, 1024, 16, 1e-4}}};
+constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 256, 4, 1e-3}, {"high", 1024, 1024, 16, 1e-4}}};
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
-                                encoding = "srgb8";
-    double texels_per_metre = 0, tolerance = 0;
-    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0;
+                                encoding = "srgb8", importance = "on", estimator = "ray";
+    double texels_per_metre = 0, tolerance = 0, error = 0;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
-    bool quiet = false;
+    bool verify = false, quiet = false;
 };
 
 /// Refuses what a range check lets through: not-a-number compares with nothing.
@@ -45,26 +47,6 @@ const CLI::Validator finite(
 /// Refuses a sign: an unsigned number would silently wrap around.
 const CLI::Validator unsigned_number(
     [](std::string& text) { return text.starts_with('-') ? "expected 0 or more" : std::string(); }, "", "unsigned");
-
-/// "256M" -> bytes. Suffixes K, M, G are powers of 1024.
-std::uint64_t parse_bytes(const std::string& text) {
-    const auto refuse = [&] {
-        return Error(ErrorCode::usage, "--memory", "expected a size such as 512M or 4G, found \"" + text + "\"");
-    };
-    std::size_t digits = 0;
-    while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9') ++digits;
-    if (digits == 0 || digits > 12 || text.size() > digits + 1) throw refuse();
-    const std::uint64_t bytes = std::stoull(text.substr(0, digits));
-    int shift = 0;
-    if (text.size() == digits + 1) switch (text[digits]) {
-            case 'K': case 'k': shift = 10; break;
-            case 'M': case 'm': shift = 20; break;
-            case 'G': case 'g': shift = 30; break;
-            default: throw refuse();
-        }
-    if (bytes >> (63 - shift)) throw refuse();
-    return bytes << shift;
-}
 
 BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     BakeOptions o;
@@ -88,11 +70,16 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.unwrap.uv_mode = a.uv == "keep" ? UvMode::keep : UvMode::unwrap;
     o.patch_texels = a.patch_texels;
     o.chunk_patches = a.chunk_patches;
+    o.estimator = a.estimator == "hemicube" ? EstimatorKind::hemicube : EstimatorKind::ray;
+    o.hemicube_resolution = a.hemicube_resolution;
+    o.importance = a.importance == "on";
+    o.error = a.error;
     o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
     o.encoding = parse_encoding(a.encoding);
     o.seed = a.seed;
-    o.memory_bytes = parse_bytes(a.memory);
+    o.memory_bytes = parse_bytes(a.memory, "--memory");
     o.threads = a.threads;
+    o.verify = a.verify;
     o.software = "luxel " LUXEL_VERSION;
     return o;
 }
@@ -108,6 +95,10 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"patch-texels", std::to_string(o.patch_texels)},
             {"chunk-patches", std::to_string(o.chunk_patches)},
             {"rays", std::to_string(o.rays)},
+            {"estimator", a.estimator},
+            {"hemicube-resolution", std::to_string(o.hemicube_resolution)},
+            {"importance", a.importance},
+            {"error", a.error > 0 ? fmt::format("{}", a.error) : "none"},
             {"gather-rays", std::to_string(o.gather_rays)},
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
@@ -115,15 +106,16 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},
             {"threads", std::to_string(o.threads)},
+            {"verify", a.verify ? "on" : "off"},
             {"work", a.work}};
 }
 
 void print_summary(const BakeReport& report, const BakeOptions& options) {
     double seconds = 0;
     for (const StageReport& stage : report.stages) seconds += stage.seconds;
-    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; error bound {:.1e}; {:.1f} s, {} MB\n",
+    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; standard error {:.1f} %, solved to {:.1e}; {:.1f} s, {} MB\n",
                options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s",
-               report.patches, report.pairs, report.error_bound, seconds, report.peak_bytes >> 20);
+               report.patches, report.pairs, 100 * report.standard_error, report.error_bound, seconds, report.peak_bytes >> 20);
 }
 
 int run(const Arguments& arguments, const CLI::App& command) {
@@ -142,6 +134,11 @@ int run(const Arguments& arguments, const CLI::App& command) {
         publish_file(arguments.report, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
     }
     if (!arguments.quiet) print_summary(report, options);
+    if (report.verification && !report.verification->passed()) {
+        std::fflush(stdout);
+        print_findings(*report.verification);
+        return static_cast<int>(ErrorCode::damaged_store);
+    }
     return report.converged ? 0 : static_cast<int>(ErrorCode::stopped_early);
 }
 
@@ -150,8 +147,16 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("-o,--output", a.output, "result, .glb or .gltf")->required()->type_name("OUT");
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
         ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");
-    command.add_option("--rays", a.rays, "evidence rays per patch (256 / 1024 / 4096 by quality)")
+    command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 by quality)")
         ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{1} << 24))->group("Quality");
+    command.add_option("--estimator", a.estimator, "of form factors: rays, or the classic hemicube for comparison")
+        ->check(CLI::IsMember({"ray", "hemicube"}))->capture_default_str()->group("Quality");
+    command.add_option("--hemicube-resolution", a.hemicube_resolution, "pixels along an edge of the hemicube, even")
+        ->check(CLI::Range(2u, 4096u))->capture_default_str()->group("Quality");
+    command.add_option("--error", a.error, "trace until the relative standard error of the patches' light is below this, such as 0.02")
+        ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
+    command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
+        ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 256 / 1024)")
         ->check(CLI::Range(0u, 1u << 20))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
@@ -179,6 +184,7 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("--seed", a.seed, "of all sample patterns")->check(unsigned_number)->capture_default_str()->group("Running");
     command.add_option("--work", a.work, "bake folder: kept, and reused by the next run")->type_name("DIR")->group("Running");
     command.add_option("--report", a.report, "write what was done as JSON")->type_name("FILE")->group("Running");
+    command.add_flag("--verify", a.verify, "at the end check everything in the bake folder, as luxel inspect --verify does")->group("Running");
     command.add_flag("-q,--quiet", a.quiet, "no progress, no summary")->group("Running");
 }
 

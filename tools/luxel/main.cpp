@@ -7,6 +7,7 @@
 
 #include "formats/base/error.h"
 #include "tools/luxel/bake_command.h"
+#include "tools/luxel/inspect_command.h"
 
 namespace {
 
@@ -37,6 +38,7 @@ int parse_and_run(int argc, char** argv) {
     program.set_version_flag("--version", "luxel " LUXEL_VERSION);
     program.require_subcommand(1);
     luxel::add_bake_command(program, exit_code);
+    luxel::add_inspect_command(program, exit_code);
     try {
         program.parse(argc, argv);
     } catch (const CLI::Success& done) {

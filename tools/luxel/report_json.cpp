@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/luxel/inspect_text.h"
+
 namespace luxel {
 
 std::string report_json(const BakeReport& r) {
@@ -18,10 +20,21 @@ std::string report_json(const BakeReport& r) {
     out["evidence"] = {
         {"rays", r.evidence_rays},
         {"rays_per_second", r.evidence_seconds > 0 ? static_cast<double>(r.evidence_rays) / r.evidence_seconds : 0},
-        {"rounds", r.evidence_rounds}};
-    out["closure"] = {{"iterations", r.closure_iterations},
-                      {"max_row_error_before", r.closure_row_error_before},
-                      {"max_row_error_after", r.closure_row_error_after}};
+        {"rounds", r.evidence_rounds},
+        {"least_rays", r.least_rays},
+        {"most_rays", r.most_rays},
+        {"standard_error", r.standard_error}};
+    out["closure"] = {{"iterations", r.closure.iterations},
+                      {"max_row_error_before", r.closure.max_row_error_before},
+                      {"mean_row_error_before", r.closure.mean_row_error_before},
+                      {"max_row_error_after", r.closure.max_row_error_after},
+                      {"mean_row_error_after", r.closure.mean_row_error_after},
+                      {"diagonal_share", r.closure.diagonal_share},
+                      {"remainder_share", r.closure.remainder_share},
+                      {"short_rows", r.closure.short_rows},
+                      {"short_share", r.closure.short_share},
+                      {"largest_change", r.closure.largest_change},
+                      {"mean_change", r.closure.mean_change}};
     json history = json::array();
     for (const auto& [bytes, bound] : r.history) history.push_back({{"bytes_read", bytes}, {"error_bound", bound}});
     out["solve"] = {{"solver", r.solver}, {"reads", r.reads}, {"error_bound", r.error_bound}, {"converged", r.converged}, {"history", history}};
@@ -33,6 +46,7 @@ std::string report_json(const BakeReport& r) {
                      {"peak_bytes", r.peak_bytes},
                      {"geometry_bytes", r.geometry_bytes},
                      {"floor_bytes", r.floor_bytes}};
+    if (r.verification) out["verify"] = verify_json(*r.verification);
     json& warnings = out["warnings"] = json::array();
     for (const Warning& w : r.warnings) warnings.push_back({{"code", w.code}, {"where", w.where}, {"text", w.text}});
     json& skipped = out["skipped"] = json::array();

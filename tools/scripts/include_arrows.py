@@ -12,11 +12,12 @@ import sys
 
 ORDER = [["formats/base"], ["formats/gltf", "formats/image", "formats/bake"], ["baker/core"], ["baker/scene"], ["baker/unwrap"],
          ["baker/patches"], ["baker/trace"], ["baker/chunks"], ["baker/formfactors"], ["baker/store", "baker/solver"],
-         ["baker/light"], ["baker/output"], ["baker/bake"], ["tools"]]
+         ["baker/accuracy"], ["baker/light"], ["baker/output"], ["baker/bake"], ["tools"]]
 # From baker rooms to formats: the decoded picture and glTF machinery is for the ends of the pipeline only.
 ONLY_FROM = {"formats/gltf": ["formats/gltf", "baker/output", "baker/bake", "tools"],
              "formats/image": ["formats/image", "baker/output", "baker/bake", "tools"],
-             "formats/bake": ["formats/bake", "baker/formfactors", "baker/store", "baker/solver", "baker/bake", "tools"]}
+             "formats/bake": ["formats/bake", "baker/formfactors", "baker/store", "baker/solver", "baker/accuracy", "baker/bake",
+                                 "tools"]}
 # Contracts that are read further up than the room they are kept in: header, first room that may include it.
 CONTRACTS = {"formats/gltf/scene_record.h": "baker/scene",            # plain records
              "baker/formfactors/block_source.h": "baker/chunks"}      # how patches are numbered by chunk

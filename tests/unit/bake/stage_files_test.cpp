@@ -51,7 +51,7 @@ TEST(StageFiles, Closure) {
     const test::TemporaryFolder folder;
     Closure closure;
     closure.mu = numbers(20, 1), closure.diagonal_m2 = numbers(20, 2), closure.row_open_m2 = numbers(20, 3);
-    closure.report = {7, 0.5, 0.25, 1e-9, 1e-12, 0.1, 1e-16};
+    closure.report = {7, 0.5, 0.25, 1e-9, 1e-12, 0.1, 1e-16, 3, 1e-5, 0.75, 0.125};
     save_closure(folder / "c", key, closure);
     const auto found = load_closure(folder / "c", key, 20);
     ASSERT_TRUE(found);
@@ -65,6 +65,10 @@ TEST(StageFiles, Closure) {
     EXPECT_EQ(found->report.mean_row_error_after, 1e-12);
     EXPECT_EQ(found->report.diagonal_share, 0.1);
     EXPECT_EQ(found->report.remainder_share, 1e-16);
+    EXPECT_EQ(found->report.short_rows, 3u);
+    EXPECT_EQ(found->report.short_share, 1e-5);
+    EXPECT_EQ(found->report.largest_change, 0.75);
+    EXPECT_EQ(found->report.mean_change, 0.125);
     expect_careful(
         folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);
 }

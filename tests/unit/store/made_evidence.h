@@ -108,13 +108,20 @@ inline std::vector<std::filesystem::path> write_evidence(const std::filesystem::
     return files;
 }
 
+/// The files with the key that they were written with.
+inline std::vector<EvidenceFile> keyed(std::span<const std::filesystem::path> files, const Key& key = evidence_key) {
+    std::vector<EvidenceFile> all;
+    for (const auto& path : files) all.push_back({path, key});
+    return all;
+}
+
 /// Pools into a new folder `name`; returns it.
 inline std::filesystem::path pool(const TemporaryFolder& folder, const MadeEvidence& made,
                                   std::span<const std::filesystem::path> files, const std::string& name,
                                   std::uint64_t memory_bytes = std::uint64_t{1} << 30) {
     const auto strips = folder / name;
     std::filesystem::create_directory(strips);
-    pool_evidence(made.layout, made.ids, files, evidence_key, strips, strip_key, {memory_bytes, folder.path()}, {});
+    pool_evidence(made.layout, made.ids, keyed(files), strips, strip_key, {memory_bytes, folder.path()}, {});
     return strips;
 }
 

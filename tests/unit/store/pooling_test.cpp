@@ -88,7 +88,7 @@ TEST(Pooling, DoesNotDependOnMemoryOrThreads) {
     // The proof that the small memory did not do: without a place for the scratch file it must fail.
     std::filesystem::create_directory(folder / "none");
     try {
-        pool_evidence(made.layout, made.ids, files, test::evidence_key, folder / "none", test::strip_key,
+        pool_evidence(made.layout, made.ids, test::keyed(files), folder / "none", test::strip_key,
                       {0, folder / "no such folder"}, {});
         FAIL() << "no scratch file was needed";
     } catch (const Error& error) {
@@ -103,7 +103,7 @@ TEST(Pooling, RunsOnlyWhenStripsAreMissing) {
     const auto strips = pool(folder, made, files, "strips");
     const auto expected = strip_bytes(strips, made.layout);
     const auto again = [&] {
-        return pool_evidence(made.layout, made.ids, files, test::evidence_key, strips, test::strip_key,
+        return pool_evidence(made.layout, made.ids, test::keyed(files), strips, test::strip_key,
                              {0, folder.path()}, {});
     };
     EXPECT_FALSE(again());
@@ -137,7 +137,7 @@ TEST(Pooling, RefusesEvidenceOfAnotherScene) {
     }
     const Key other_key{1, 1};
     EXPECT_EQ(code_of([&] {
-                  pool_evidence(made.layout, made.ids, files, other_key, folder / "strips", test::strip_key,
+                  pool_evidence(made.layout, made.ids, test::keyed(files, other_key), folder / "strips", test::strip_key,
                                 {0, folder.path()}, {});
               }),
               ErrorCode::damaged_store);
@@ -186,7 +186,7 @@ TEST(Pooling, ReportsProgressToTheEnd) {
     const auto files = test::write_evidence(folder.path(), made.records, 30, 64);
     std::filesystem::create_directory(folder / "strips");
     std::uint64_t last = 0, end = 0;
-    pool_evidence(made.layout, made.ids, files, test::evidence_key, folder / "strips", test::strip_key,
+    pool_evidence(made.layout, made.ids, test::keyed(files), folder / "strips", test::strip_key,
                   {0, folder.path()}, [&](std::uint64_t done, std::uint64_t total) {
                       EXPECT_GT(done, last);
                       last = done, end = total;

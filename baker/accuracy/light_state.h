@@ -1,0 +1,25 @@
+/// What is known of the light after a round of evidence: the input of everything that judges its accuracy.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "baker/patches/patch.h"
+#include "baker/solver/solver.h"
+
+namespace luxel {
+
+/// One entry per patch everywhere; the data belongs to the caller.
+struct LightState {
+    std::span<const PatchId> ids;
+    std::span<const double> area_m2;
+    std::span<const Rgb> reflectance;
+    std::span<const Channels> radiosity;   ///< B, lm/m2
+    std::span<const Channels> irradiance;  ///< H gathered from patches, lm/m2; without lamps
+    std::span<const double> mu;            ///< Closure::mu, rays/m2
+    std::span<const double> open_m2;       ///< Closure::row_open_m2
+};
+
+/// Throws Error{internal} when a size differs from the others.
+void check(const LightState& light);
+
+}  // namespace luxel

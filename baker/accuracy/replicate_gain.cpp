@@ -1,0 +1,112 @@
+#include "baker/accuracy/replicate_gain.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <unordered_map>
+
+namespace luxel {
+namespace {
+
+struct Gathered {
+    double light = 0, rays = 0;  ///< sum n_ij B_j and sum n_ij of one replicate
+};
+
+/// What all records say of each patch.
+class Tally {
+  public:
+    Tally(const LightState& light, std::uint32_t replicates)
+        : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()) {
+        for (std::size_t p = 0; p < light.ids.size(); ++p) number_.emplace(light.ids[p], p);
+    }
+
+    void add(const EvidenceBlock& block, const std::string& where) {
+        std::vector<double> brightness(block.targets.size());
+        for (std::size_t t = 0; t < brightness.size(); ++t) brightness[t] = brightness_of(find(block.targets[t], where));
+        for (const EvidenceBlock::Row& row : block.rows) {
+            const std::size_t patch = find(row.patch_id, where);
+            if (row.replicate >= replicates_)
+                throw Error(ErrorCode::damaged_store, where, "replicate " + std::to_string(row.replicate) + " of " + std::to_string(replicates_));
+            Gathered& g = gathered_[patch * replicates_ + row.replicate];
+            g.rays += static_cast<double>(row.open) + static_cast<double>(row.back);
+            for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
+                const double n = block.counts[k], b = brightness[block.target_index[k]];
+                g.rays += n;
+                g.light += n * b;
+                square_[patch] += n * b * b;
+            }
+        }
+    }
+
+    [[nodiscard]] std::vector<double> gains() const {
+        std::array<double, 64> measured{}, independent{};
+        std::vector<int> level(light_.ids.size(), -1);
+        for (std::size_t p = 0; p < level.size(); ++p) {
+            double light = 0, rays = 0;
+            for (std::uint32_t r = 0; r < replicates_; ++r) {
+                const Gathered& g = gathered_[p * replicates_ + r];
+                light += g.light;
+                rays += g.rays;
+            }
+            if (!(light > 0)) continue;
+            const double mean = light / rays;
+            level[p] = std::ilogb(rays);
+            independent[static_cast<std::size_t>(level[p])] += (square_[p] / rays - mean * mean) / rays / (mean * mean);
+            measured[static_cast<std::size_t>(level[p])] += spread(p, mean) / (mean * mean);
+        }
+        std::vector<double> gains(level.size(), 1.0);
+        for (std::size_t p = 0; p < gains.size(); ++p) {
+            if (level[p] < 0) continue;
+            const auto k = static_cast<std::size_t>(level[p]);
+            if (replicates_ > 1 && independent[k] > 0) gains[p] = std::clamp(measured[k] / independent[k], 0.02, 2.0);
+        }
+        return gains;
+    }
+
+  private:
+    std::size_t find(PatchId id, const std::string& where) const {
+        const auto at = number_.find(id);
+        if (at == number_.end())
+            throw Error(ErrorCode::damaged_store, where, "patch id " + std::to_string(id) + " is not in this scene",
+                        "the evidence belongs to another scene; use a fresh bake folder");
+        return at->second;
+    }
+    [[nodiscard]] double brightness_of(std::size_t patch) const {
+        const Channels& b = light_.radiosity[patch];
+        return b[0] + b[1] + b[2];
+    }
+    /// Variance of the mean over replicates; all have the same number of rays.
+    [[nodiscard]] double spread(std::size_t p, double mean) const {
+        double sum = 0;
+        for (std::uint32_t r = 0; r < replicates_; ++r) {
+            const Gathered& g = gathered_[p * replicates_ + r];
+            const double difference = (g.rays > 0 ? g.light / g.rays : 0.0) - mean;
+            sum += difference * difference;
+        }
+        return replicates_ > 1 ? sum / (replicates_ * (replicates_ - 1.0)) : 0.0;
+    }
+
+    const LightState& light_;
+    std::uint32_t replicates_;
+    std::vector<Gathered> gathered_;
+    std::vector<double> square_;  ///< sum n_ij B_j^2
+    std::unordered_map<PatchId, std::size_t> number_;
+};
+
+}  // namespace
+
+std::vector<double> replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates) {
+    check(light);
+    Tally tally(light, replicates);
+    for (const EvidenceFile& entry : files) {
+        const BlockFileReader file(entry.path, FileKind::evidence, evidence_version, &entry.key);
+        for (std::size_t k = 0; k < file.blocks().size(); ++k) {
+            const std::string where = file.name() + ": block " + std::to_string(k);
+            tally.add(decode_evidence(file.read(k), where), where);
+        }
+    }
+    return tally.gains();
+}
+
+}  // namespace luxel

@@ -1,0 +1,29 @@
+/// The standard error of every patch's light: what the choice of rays, and nothing else, may have changed.
+///
+/// Each exchange area carries an independent error of variance G_ij (mu_i g_i + mu_j) / (mu_i + mu_j)^2 as patch i feels it (g_i:
+/// its replicate gain, for its own rays; the rays of others meet it like independent ones), weighted by B_j - H_i as
+/// in ray_allocation.h; what leaves into the open is a partner with B = 0. The sum over a row is the local variance, known
+/// without chance. To follow it through further bounces the errors of all pairs get random signs, keyed by the stable ids of
+/// both patches, in 8 patterns which are solved like light (error_propagation.h); what the bounces add to the variance
+/// is the mean over the patterns of the square with bounces less the square without.
+/// Not in it: the finite size of patches, the lamps' direct light, the tolerance of the solve.
+#pragma once
+#include <vector>
+
+#include "baker/accuracy/light_state.h"
+
+namespace luxel {
+
+struct StandardError {
+    std::vector<Channels> radiosity;   ///< sigma of B, lm/m2, per patch
+    std::vector<Channels> irradiance;  ///< sigma of H, lm/m2, per patch
+    /// sqrt(sum A sigma^2 / sum A) / mean H for the luminance of H: the project's one definition of relative error.
+    double relative = 0;
+};
+
+/// `gains`: replicate_gain.h, per patch. `mean_irradiance`: of the whole scene, area-weighted, luminance, lamps included.
+/// Reads the matrix some 10 times per channel that is lit; equal channels are done once.
+StandardError standard_error(BlockSource& source, const LightState& light, std::span<const double> gains,
+                             double mean_irradiance);
+
+}  // namespace luxel

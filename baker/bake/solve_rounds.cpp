@@ -1,0 +1,211 @@
+#include "baker/bake/solve_rounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "baker/accuracy/ray_allocation.h"
+#include "baker/accuracy/replicate_gain.h"
+#include "baker/bake/stage_files.h"
+#include "baker/formfactors/hemicube_weights.h"
+#include "baker/store/block_cache.h"
+#include "formats/bake/patches_file.h"
+
+namespace luxel {
+namespace {
+
+/// Rays per patch of the first round, and how much a round may add: what it learns must be worth a solve.
+constexpr std::uint64_t first_rays = 64;
+constexpr double most_growth = 4;
+/// Beyond so many rays per patch on average a wanted error is given up.
+constexpr std::uint64_t most_rays = 65536;
+/// Solving to choose rays need not be exact.
+constexpr double loose_tolerance = 0.02;
+
+class Rounds {
+  public:
+    Rounds(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder, const MemoryPlan& plan,
+           StageClock& clock, BakeReport& report)
+        : options_(options), g_(geometry), folder_(folder), plan_(plan), clock_(clock), report_(report),
+          evidence_(options, geometry, folder) {}
+
+    SolvedScene run() {
+        scene_.sources = light_patches(options_, g_, clock_, report_);
+        evidence_.add(first_plan(), clock_, report_);
+        while (wants_more()) {
+            const Key key = evidence_.plan_key(evidence_.rounds());
+            auto next = load_plan(folder_.plan(key), key, g_.patches.count());
+            if (!next) {
+                solve(by_error() ? options_.tolerance : loose_tolerance);
+                if (by_error() && judge()) return finish();
+                next = choose();
+                if (is_empty(*next)) break;
+                save_plan(folder_.plan(key), key, *next);
+            }
+            forget_matrix();
+            evidence_.add(*next, clock_, report_);
+        }
+        solve(options_.tolerance);
+        judge();
+        return finish();
+    }
+
+  private:
+    [[nodiscard]] bool by_error() const { return options_.error > 0; }
+    [[nodiscard]] double rays_per_patch() const {
+        return static_cast<double>(evidence_.total_rays()) / std::max<double>(1, static_cast<double>(g_.patches.count()));
+    }
+    /// Rays per patch after `round` further rounds when no error is wanted.
+    [[nodiscard]] std::uint64_t schedule(std::uint32_t round) const {
+        double rays = static_cast<double>(first_rays);
+        for (std::uint32_t k = 0; k < round; ++k) rays *= most_growth;
+        return std::min(options_.rays, static_cast<std::uint64_t>(std::min(rays, 1e12)));
+    }
+    [[nodiscard]] LevelPlan first_plan() const {
+        // The hemicube has all its levels at once.
+        if (!evidence_.extensible()) return {std::vector<LevelRange>(g_.patches.count(), LevelRange{0, hemicube_level})};
+        const bool once = !options_.importance && !by_error();
+        return uniform_plan(g_.patches.count(), evidence_.replicates(),
+                            once ? options_.rays : std::min(by_error() ? first_rays : options_.rays, first_rays));
+    }
+    [[nodiscard]] bool wants_more() const {
+        if (!evidence_.extensible() || g_.patches.count() == 0) return false;
+        if (by_error()) return rays_per_patch() < static_cast<double>(most_rays);
+        return options_.importance && schedule(evidence_.rounds() - 1) < options_.rays;
+    }
+    static bool is_empty(const LevelPlan& plan) {
+        return std::all_of(plan.levels.begin(), plan.levels.end(), [](LevelRange r) { return r.empty(); });
+    }
+
+    void solve(double tolerance) {
+        scene_.matrix = build_matrix(options_, g_, evidence_, folder_, plan_, clock_, report_);
+        scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, plan_, clock_, report_);
+    }
+
+    [[nodiscard]] LightState light() const {
+        const SolveResult& result = scene_.solution.result;
+        return {evidence_.ids(), scene_.matrix.area_m2, scene_.solution.reflectance, result.radiosity,
+                result.irradiance, scene_.matrix.closure.mu, scene_.matrix.closure.row_open_m2};
+    }
+
+    /// Luminance of all light that arrives, lamps included, area-weighted.
+    [[nodiscard]] double mean_irradiance() const {
+        double sum = 0, area = 0;
+        for (std::size_t p = 0; p < g_.patches.count(); ++p) {
+            const Channels& h = scene_.solution.result.irradiance[p];
+            sum += scene_.matrix.area_m2[p] * (0.2126 * h[0] + 0.7152 * h[1] + 0.0722 * h[2] +
+                                               static_cast<double>(luminance(scene_.sources.lamp_irradiance[p])));
+            area += scene_.matrix.area_m2[p];
+        }
+        return area > 0 ? sum / area : 0;
+    }
+
+    /// Stage "accuracy". True if the wanted error is met.
+    bool judge() {
+        const Key key = KeyBuilder("accuracy 1").key(scene_.solution.key).finish();
+        clock_.stage("accuracy", [&] {
+            const auto path = folder_.accuracy(key);
+            if (auto error = load_accuracy(path, key, g_.patches.count())) {
+                scene_.error = std::move(*error);
+                return true;
+            }
+            ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
+            BlockCache cache(strips, plan_.cache_bytes);
+            const std::vector<double> gains = replicate_gains(evidence_.files(), light(), evidence_.replicates());
+            scene_.error = standard_error(cache, light(), gains, mean_irradiance());
+            save_accuracy(path, key, scene_.error);
+            return false;
+        });
+        report_.standard_error = scene_.error.relative;
+        return scene_.error.relative <= options_.error;
+    }
+
+    /// Stage "importance": the plan of the next round.
+    LevelPlan choose() {
+        LevelPlan next;
+        clock_.stage("importance", [&] {
+            double goal = static_cast<double>(schedule(evidence_.rounds()));
+            if (by_error()) {
+                // The error falls with the root of the rays; a little more than that, to be done with it.
+                const double ratio = scene_.error.relative / options_.error;
+                goal = rays_per_patch() * std::clamp(1.1 * ratio * ratio, 1.5, most_growth);
+            }
+            const double total = goal * static_cast<double>(g_.patches.count());
+            std::vector<double> wanted(g_.patches.count(), 1.0);
+            if (options_.importance) {
+                ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
+                BlockCache cache(strips, plan_.cache_bytes);
+                wanted = best_rays(cache, light(), total, static_cast<double>(first_rays));
+            }
+            next = plan_by_want(wanted, evidence_.reached(), evidence_.replicates(), static_cast<std::uint64_t>(total));
+            return false;
+        });
+        return next;
+    }
+
+    /// Frees the matrix of the last round and removes its files, also those of a run that was killed before it came to that.
+    void forget_matrix() {
+        scene_.matrix = {};
+        scene_.solution = {};
+        const MatrixKeys keys = matrix_keys(options_, evidence_);
+        folder_.discard(keys.strips, keys.closure,
+                        solution_key(options_, g_, keys.closure, by_error() ? options_.tolerance : loose_tolerance));
+        if (by_error()) {
+            std::error_code ignored;
+            const Key solution = solution_key(options_, g_, keys.closure, options_.tolerance);
+            std::filesystem::remove(folder_.accuracy(KeyBuilder("accuracy 1").key(solution).finish()), ignored);
+        }
+    }
+
+    /// What a reader of the bake folder needs beside the matrix itself.
+    void describe_matrix() const {
+        const MatrixKeys keys = matrix_keys(options_, evidence_);
+        const auto path = folder_.patches(keys.strips);
+        if (block_file_is_whole(path, FileKind::patches, patches_version, keys.strips)) return;
+        PatchesFile patches;
+        patches.ids.assign(evidence_.ids().begin(), evidence_.ids().end());
+        patches.area_m2 = scene_.matrix.area_m2;
+        patches.first_patch = g_.layout.first_patch;
+        for (const EvidenceFile& file : evidence_.files())
+            if (patches.evidence.empty() || patches.evidence.back() != file.key) patches.evidence.push_back(file.key);
+        patches.closure = keys.closure;
+        patches.estimator = options_.estimator == EstimatorKind::hemicube ? "hemicube" : "ray";
+        save_patches(path, keys.strips, patches);
+    }
+
+    SolvedScene finish() {
+        describe_matrix();
+        const auto [least, most] = std::minmax_element(evidence_.reached().begin(), evidence_.reached().end());
+        if (least != evidence_.reached().end()) {
+            report_.least_rays = evidence_.rays_at(*least);
+            report_.most_rays = evidence_.rays_at(*most);
+        }
+        const SolveResult& result = scene_.solution.result;
+        if (!result.converged)
+            report_.warnings.push_back({"not-converged", "solve",
+                                        "stopped at an error bound of " + std::to_string(result.error_bound) +
+                                            " before the tolerance was met"});
+        if (by_error() && scene_.error.relative > options_.error)
+            report_.warnings.push_back({"error-not-reached", "evidence",
+                                        "standard error " + std::to_string(scene_.error.relative) + " after " +
+                                            std::to_string(static_cast<std::uint64_t>(rays_per_patch())) + " rays per patch"});
+        return std::move(scene_);
+    }
+
+    const BakeOptions& options_;
+    const BakedGeometry& g_;
+    const BakeFolder& folder_;
+    const MemoryPlan& plan_;
+    StageClock& clock_;
+    BakeReport& report_;
+    EvidenceRounds evidence_;
+    SolvedScene scene_;
+};
+
+}  // namespace
+
+SolvedScene solve_in_rounds(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder,
+                            const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
+    return Rounds(options, geometry, folder, plan, clock, report).run();
+}
+
+}  // namespace luxel

@@ -1,0 +1,32 @@
+/// Radiosity of the patches from a matrix and the scene's light.
+#pragma once
+#include "baker/bake/matrix_stages.h"
+#include "baker/solver/solver.h"
+
+namespace luxel {
+
+/// Light that the equation starts from; the same for every matrix of the scene.
+struct BakedSources {
+    std::vector<Rgb> lamp_irradiance;  ///< direct light of lamps per patch, lux
+    std::vector<Channels> emission;    ///< M: self-emission plus what is reflected of the lamps, lm/m2
+};
+
+/// Radiosity per patch with everything that a texel needs of it.
+struct BakedSolution {
+    SolveResult result;
+    std::vector<Rgb> reflectance;  ///< per patch, as solved with
+    Key key;
+};
+
+/// Stage "lamps".
+BakedSources light_patches(const BakeOptions& options, const BakedGeometry& geometry, StageClock& clock, BakeReport& report);
+
+/// Name of the solution of a matrix.
+Key solution_key(const BakeOptions& options, const BakedGeometry& geometry, const Key& matrix_key, double tolerance);
+
+/// Stage "solve".
+BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources,
+                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, const MemoryPlan& plan,
+                            StageClock& clock, BakeReport& report);
+
+}  // namespace luxel

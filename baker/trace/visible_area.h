@@ -1,0 +1,31 @@
+/// Which parts of the surface lie inside solids or behind walls, where nobody sees them and no light comes: they must not
+/// count as area, else objects that intersect get dark seams.
+///
+/// A point is hidden when the rays of its half space meet nothing but backs of one-sided surfaces, or leave the scene
+/// while such a back is near (what sticks out behind the wall of a room), and no lamp reaches it. Nothing less will do: one
+/// front, or one back of a two-sided surface, and the point stays. Of a two-sided surface a point is hidden when both of
+/// its sides are. Surfaces in front of a single-sided plane's back are therefore hidden only within near_m of it, and only
+/// where they see no front at all.
+///
+/// Found on the 4 x 4 cells of each fragment (patches/visible_cells.h). Most fragments take one ray: short segments just
+/// above the surface tell whether anything cuts it; where nothing does, one point stands for all.
+/// Threads: uses them all. A pure function of geometry and of where lamps are; errors: none.
+#pragma once
+#include "baker/patches/texels.h"
+#include "baker/trace/tracer.h"
+#include "baker/unwrap/atlas.h"
+
+namespace luxel {
+
+struct VisibleAreaTally {
+    std::uint64_t hidden_texels = 0;  ///< nothing of them is visible
+    std::uint64_t cut_texels = 0;     ///< a part is
+    double hidden_m2 = 0;
+};
+
+/// Sets Fragment::visible, and the sums and means of texels that it changes. `texels` as the raster made them; `near_m`:
+/// how far parts of one patch may reach behind a wall, m, >= 0.
+VisibleAreaTally find_visible_area(const Scene& scene, const Atlas& atlas, const Tracer& tracer, float near_m,
+                                   TexelSet& texels);
+
+}  // namespace luxel
