@@ -85,7 +85,10 @@ void add_visible(const TexelSet& texels, KeyBuilder& key) {
         const std::vector<Fragment>& fragments = texels.pages[page].fragments;
         for (std::size_t f = 0; f < fragments.size(); ++f)
             if (fragments[f].visible != all_visible)
-                key.integer(static_cast<std::int64_t>(page)).integer(static_cast<std::int64_t>(f)).integer(fragments[f].visible);
+                key.integer(static_cast<std::int64_t>(page))
+                    .integer(static_cast<std::int64_t>(f))
+                    .integer(fragments[f].visible)
+                    .integer(fragments[f].visible_parts);
     }
 }
 
@@ -102,7 +105,7 @@ void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& re
     g.layout = std::move(tiling.layout);
     report.patches = g.patches.count();
     report.chunks = g.layout.chunk_count();
-    KeyBuilder key("chunks 2");
+    KeyBuilder key("chunks 3");
     key.key(atlas_key(g.scene, options.unwrap)).integer(options.patch_texels);
     for (const Patch& patch : g.patches.patches) key.integer(static_cast<std::int64_t>(patch.id));
     add_visible(g.texels, key);

@@ -34,11 +34,12 @@ PageImage page_image(const BakedGeometry& g, std::uint32_t page, const std::vect
     const std::uint32_t size = g.atlas.page_size;
     PageImage image{std::vector<Rgb>(std::size_t{size} * size, Rgb(0, 0, 0)),
                     std::vector<std::uint8_t>(std::size_t{size} * size, texel_empty)};
-    const std::vector<Texel>& texels = g.texels.pages[page].texels;
+    const PageTexels& content = g.texels.pages[page];
+    const std::vector<Texel>& texels = content.texels;
     for (std::size_t k = 0; k < texels.size(); ++k) {
         const std::size_t at = std::size_t{texels[k].y} * size + texels[k].x;
         image.values[at] = irradiance[k];
-        image.mask[at] = texels[k].visible_m2 > 0 ? texel_covered : texel_hidden;
+        image.mask[at] = content.can_send(texels[k]) ? texel_covered : texel_hidden;
     }
     fill_hidden(image.values, image.mask, size, size);
     dilate(image.values, image.mask, size, size, std::max(1u, g.atlas.padding));

@@ -45,7 +45,7 @@ class TexelGather {
 
     [[nodiscard]] Rgb irradiance(std::size_t index) const {
         const Texel& texel = page_.texels[index];
-        if (texel.visible_m2 <= 0) return Rgb(0, 0, 0);
+        if (!page_.can_send(texel)) return Rgb(0, 0, 0);
         const SurfaceSampler sampler(in_.scene, in_.atlas,
                                      {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
         const std::uint64_t own_seed = seed(texel);

@@ -59,7 +59,7 @@ std::vector<Rgb> interpolate_page(const Atlas& atlas, const TexelSet& texels, co
     std::vector<Rgb> result(content.texels.size(), Rgb(0, 0, 0));
     parallel_for(result.size(), 1024, [&](std::size_t k) {
         const Texel& texel = content.texels[k];
-        if (texel.visible_m2 <= 0) return;
+        if (!content.can_send(texel)) return;
         const PatchNumber own = patches.page_patch[page][std::size_t{texel.y} * patches.page_size + texel.x];
         result[k] = interpolation == Interpolation::constant
                         ? patch_irradiance[own]

@@ -29,6 +29,7 @@ class ChartPatches {
         std::vector<Found> found;
         for (std::uint32_t cell_y = 0; cell_y * k_ < chart_.height; ++cell_y)
             for (std::uint32_t cell_x = 0; cell_x * k_ < chart_.width; ++cell_x) split_cell(cell_x, cell_y, found);
+        if (!slivers_.empty()) join_slivers(found);
         return found;
     }
 
@@ -65,14 +66,45 @@ class ChartPatches {
             std::sort(members_.begin(), members_.end());
             Found& patch = found.emplace_back(Found{cell_x, cell_y, set++, {}});
             for (const std::uint32_t at : members_) patch.texels.push_back(texel(x0 + at % w, y0 + at / w));
-            // Inside a solid altogether: no patch. Its number stays taken, so that other patches keep their names.
-            if (!is_visible(patch)) found.pop_back();
+            // Inside a solid but for slivers at most: no patch. Its number stays taken, so that other patches keep their names.
+            if (can_send(patch)) continue;
+            for (const std::uint32_t t : patch.texels)
+                if (page_.texels[t].visible_m2 > 0) slivers_.push_back(t);
+            found.pop_back();
         }
     }
 
-    [[nodiscard]] bool is_visible(const Found& patch) const {
+    [[nodiscard]] bool can_send(const Found& patch) const {
         return std::any_of(patch.texels.begin(), patch.texels.end(),
-                           [&](std::uint32_t t) { return page_.texels[t].visible_m2 > 0; });
+                           [&](std::uint32_t t) { return page_.can_send(page_.texels[t]); });
+    }
+
+    /// Texels that are seen but cannot send, in sets of such: each joins the patch that is nearest over the chart's surface,
+    /// so that light which falls on them is not lost.
+    void join_slivers(std::vector<Found>& found) {
+        std::vector<std::uint32_t> owner(std::size_t{chart_.width} * chart_.height, none);
+        std::vector<std::uint32_t> reached;
+        const auto place = [&](std::uint32_t t) {
+            return (page_.texels[t].y - chart_.y) * chart_.width + page_.texels[t].x - chart_.x;
+        };
+        for (std::uint32_t p = 0; p < found.size(); ++p)
+            for (const std::uint32_t t : found[p].texels) owner[place(t)] = p, reached.push_back(place(t));
+        // Breadth first from all patches at once: the first to come is the nearest.
+        for (std::size_t k = 0; k < reached.size(); ++k) {
+            const std::uint32_t at = reached[k], x = at % chart_.width, y = at / chart_.width;
+            const auto visit = [&](std::uint32_t there) {
+                if (owner[there] != none || texel(there % chart_.width, there / chart_.width) == none) return;
+                owner[there] = owner[at];
+                reached.push_back(there);
+            };
+            if (x) visit(at - 1);
+            if (x + 1 < chart_.width) visit(at + 1);
+            if (y) visit(at - chart_.width);
+            if (y + 1 < chart_.height) visit(at + chart_.width);
+        }
+        for (const std::uint32_t t : slivers_)
+            if (const std::uint32_t p = owner[place(t)]; p != none) found[p].texels.push_back(t);
+        for (Found& patch : found) std::sort(patch.texels.begin(), patch.texels.end());
     }
 
     const Chart& chart_;
@@ -81,6 +113,7 @@ class ChartPatches {
     std::uint32_t page_size_, k_;
     std::vector<std::uint8_t> seen_;
     std::vector<std::uint32_t> stack_, members_;
+    std::vector<std::uint32_t> slivers_;  ///< texels of sets without a patch that are visible in part
 };
 
 /// Means over the visible area of the texels of one patch.

@@ -1,7 +1,7 @@
 /// Texels -> patches: cells of k x k texels of each chart's own grid, split into sets that hang together.
 ///
-/// Only what is visible of a texel counts; a set that lies inside solids altogether is no patch. Power is exact: for every
-/// patch the sum over its texels of visible area times emission is area_m2 times emission (double
+/// Only what is visible of a texel counts; a set that lies inside solids altogether is no patch, and one of which nothing but
+/// slivers is seen, so that no ray can start there, joins the nearest patch of its chart. Power is exact: for every patch the sum over its texels of visible area times emission is area_m2 times emission (double
 /// sums, rounded once). Numbers run in chart order, then raster order of cells, then of sets in a cell. Threads:
 /// parallel inside; the result does not depend on it.
 #pragma once

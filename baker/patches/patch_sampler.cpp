@@ -72,6 +72,11 @@ bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, cons
     return true;
 }
 
+/// What of the fragment is sampled, m2: the cells in the open stand for all of its visible area.
+double sampled_m2(const Fragment& fragment) {
+    return fragment.visible == none_visible ? 0 : static_cast<double>(fragment.visible_m2());
+}
+
 }  // namespace
 
 SurfaceSampler::SurfaceSampler(const Scene& scene, const Atlas& atlas, std::span<const Fragment> fragments, bool back)
@@ -109,18 +114,18 @@ bool SurfaceSampler::make_flat(const Atlas& atlas, std::span<const Fragment> fra
 
 void SurfaceSampler::cut_pieces(const Atlas& atlas, std::span<const Fragment> fragments) {
     double total = 0;
-    for (const Fragment& fragment : fragments) total += static_cast<double>(fragment.visible_m2());
+    for (const Fragment& fragment : fragments) total += sampled_m2(fragment);
     pieces_.reserve(fragments.size());
     double before = 0;
     for (std::size_t begin = 0; begin < fragments.size();) {
         std::size_t end = begin;
         double row_area = 0;
         for (; end < fragments.size() && fragments[end].y == fragments[begin].y; ++end)
-            row_area += static_cast<double>(fragments[end].visible_m2());
+            row_area += sampled_m2(fragments[end]);
         const auto first = static_cast<std::uint32_t>(pieces_.size());
         double in_row = 0;
         for (std::size_t k = begin; k < end; ++k) {
-            const double area = static_cast<double>(fragments[k].visible_m2());
+            const double area = sampled_m2(fragments[k]);
             if (area <= 0) continue;
             const Vec3f normal = scene_.geometric_normal(fragments[k].triangle);
             pieces_.push_back({FragmentPolygon(scene_, atlas, fragments[k]), fragments[k].triangle,

@@ -1,5 +1,6 @@
 /// Uniform points on the visible part of a piece of surface, in a way that keeps the strata of a two-dimensional sample pattern: v picks the
-/// row of texels and the place in it, u the fragment of the row and the place in that.
+/// row of texels and the place in it, u the fragment of the row and the place in that. Where something cuts a fragment, its cells
+/// in the open stand for all of its visible area: no point lies inside a solid.
 #pragma once
 #include <span>
 #include <vector>

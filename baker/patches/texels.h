@@ -1,6 +1,7 @@
 /// Texels that cover surface, page by page. A texel is a square of the page cut by the triangles of one chart; each
 /// triangle's part is a Fragment, from which exact area, positions and normals follow (texel_surface.h).
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -15,9 +16,11 @@ struct Fragment {
     std::uint32_t triangle = 0;
     std::uint16_t x = 0, y = 0;  ///< texel on the page of the triangle's chart
     float area_m2 = 0;           ///< > 0, exact area of the clipped polygon in the world, visible or not
-    VisibleCells visible = all_visible;  ///< the raster leaves all; trace/visible_area.h takes away what is inside solids
+    /// The raster leaves all; trace/visible_area.h takes away what is inside solids.
+    VisibleCells visible = all_visible;            ///< cells in the open altogether: where rays may start
+    std::uint16_t visible_parts = fragment_parts;  ///< of the area, cut cells included: 0..fragment_parts
 
-    [[nodiscard]] float visible_m2() const { return area_m2 * visible_share(visible); }
+    [[nodiscard]] float visible_m2() const { return area_m2 * (static_cast<float>(visible_parts) / fragment_parts); }
 };
 
 struct Texel {
@@ -25,7 +28,7 @@ struct Texel {
     std::uint32_t chart = 0;
     std::uint32_t first_fragment = 0, fragment_count = 0;  ///< run in PageTexels::fragments
     float area_m2 = 0;                                     ///< sum over its fragments
-    float visible_m2 = 0;  ///< sum over their visible cells; 0: inside a solid, holds no light of its own
+    float visible_m2 = 0;  ///< sum over them; 0: inside a solid
     Rgb reflectance;       ///< mean over the visible area (the whole where none is), 0..1
     Rgb emission;          ///< the same of the exitance M, lm/m2
 };
@@ -34,6 +37,12 @@ struct Texel {
 struct PageTexels {
     std::vector<Texel> texels;
     std::vector<Fragment> fragments;
+
+    /// Can rays start on the texel? If not, it holds no light of its own and is filled from its neighbours.
+    [[nodiscard]] bool can_send(const Texel& texel) const {
+        const auto first = fragments.begin() + texel.first_fragment;
+        return std::any_of(first, first + texel.fragment_count, [](const Fragment& f) { return f.visible != none_visible; });
+    }
 };
 
 struct TexelSet {

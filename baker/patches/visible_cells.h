@@ -1,5 +1,7 @@
-/// Which of a fragment's 4 x 4 cells lie in the open and not inside a solid: bit 4 * row + column. The cells are those of
-/// FragmentPolygon::point(s, t), column of s and row of t, so each has a sixteenth of the fragment's area.
+/// What of a fragment lies in the open and not inside a solid: how much of its area, and which of its 4 x 4 cells do so
+/// altogether (bit 4 * row + column). Rays start on those cells only: on a cell that something cuts they might start inside
+/// of it. The cells are those of FragmentPolygon::point(s, t), column of s and row of t, so each has a sixteenth of the
+/// fragment's area.
 /// Threads: pure functions. Errors: none.
 #pragma once
 #include <algorithm>
@@ -14,8 +16,8 @@ using VisibleCells = std::uint16_t;
 constexpr std::uint32_t cells_across = 4;
 constexpr VisibleCells all_visible = 0xffff, none_visible = 0;
 
-/// Share of the area that is visible, 0..1, exact.
-constexpr float visible_share(VisibleCells cells) { return static_cast<float>(std::popcount(cells)) / 16; }
+/// Visible area is counted in these parts of the fragment, 36 to a cell (trace/visible_area.h).
+constexpr std::uint16_t fragment_parts = 576;
 
 /// Middle of a cell as (s, t).
 inline Vec2f cell_middle(std::uint32_t cell) {

@@ -7,8 +7,11 @@
 /// its sides are. Surfaces in front of a single-sided plane's back are therefore hidden only within near_m of it, and only
 /// where they see no front at all.
 ///
-/// Found on the 4 x 4 cells of each fragment (patches/visible_cells.h). Most fragments take one ray: short segments just
-/// above the surface tell whether anything cuts it; where nothing does, one point stands for all.
+/// Found per fragment. Most take one ray: short segments just above the surface tell whether anything cuts it; where
+/// nothing does, one point stands for all. Of the others the corners of the 4 x 4 cells (patches/visible_cells.h) are
+/// examined, and 4 x 4 points of cells with a visible one: they make the area (trapezoidal rule), and a cell is one to
+/// start from when all of its points are visible. Fragments below a sixteenth of a texel are one cell of 3 x 3 points. The outermost
+/// points lie a 256th of the fragment inside its border; what is narrower than that is not found.
 /// Threads: uses them all. A pure function of geometry and of where lamps are; errors: none.
 #pragma once
 #include "baker/patches/texels.h"
@@ -23,7 +26,7 @@ struct VisibleAreaTally {
     double hidden_m2 = 0;
 };
 
-/// Sets Fragment::visible, and the sums and means of texels that it changes. `texels` as the raster made them; `near_m`:
+/// Sets Fragment::visible and visible_parts, and the sums and means of texels that it changes. `texels` as the raster made them; `near_m`:
 /// how far parts of one patch may reach behind a wall, m, >= 0.
 VisibleAreaTally find_visible_area(const Scene& scene, const Atlas& atlas, const Tracer& tracer, float near_m,
                                    TexelSet& texels);

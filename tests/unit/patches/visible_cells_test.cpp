@@ -12,12 +12,6 @@ std::uint32_t cell_of(const Vec2f& at) {
     return static_cast<std::uint32_t>(at.y * cells_across) * cells_across + static_cast<std::uint32_t>(at.x * cells_across);
 }
 
-TEST(VisibleCells, SharesAreExact) {
-    EXPECT_EQ(visible_share(all_visible), 1.0f);
-    EXPECT_EQ(visible_share(none_visible), 0.0f);
-    EXPECT_EQ(visible_share(0x8421), 0.25f);
-}
-
 TEST(VisibleCells, MiddlesLieInTheirCells) {
     for (std::uint32_t cell = 0; cell < 16; ++cell) EXPECT_EQ(cell_of(cell_middle(cell)), cell);
 }
