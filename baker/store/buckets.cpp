@@ -35,9 +35,10 @@ void PairBuckets::add(std::uint32_t bucket, std::uint32_t b, std::uint32_t row, 
 
 void PairBuckets::settle() {
     if (held_pairs_ <= limit_pairs_) return;
+    std::size_t done = 0;  // of the bucket being written
     const auto refuse = [&](const char* step) {
         return Error(ErrorCode::cannot_write, scratch_folder_.string(),
-                     std::string(step) + " the scratch file at byte " + std::to_string(scratch_bytes_) + ": " +
+                     std::string(step) + " the scratch file of pooling at byte " + std::to_string(scratch_bytes_ + done) + ": " +
                          std::strerror(errno),
                      "free some space or choose another bake folder with --work");
     };
@@ -52,14 +53,14 @@ void PairBuckets::settle() {
         if (pairs.empty()) continue;
         const auto* bytes = reinterpret_cast<const std::uint8_t*>(pairs.data());
         const std::size_t size = pairs.size() * sizeof(PackedPair);
-        for (std::size_t done = 0; done < size;) {
+        for (done = 0; done < size;) {
             const ssize_t put = ::write(scratch_, bytes + done, size - done);
             if (put < 0 && errno == EINTR) continue;
             if (put <= 0) throw refuse("cannot write");
             done += static_cast<std::size_t>(put);
         }
         spilled_[bucket].push_back({scratch_bytes_, pairs.size()});
-        scratch_bytes_ += size;
+        scratch_bytes_ += size, done = 0;
         std::vector<PackedPair>().swap(pairs);
     }
     held_pairs_ = 0;
@@ -86,7 +87,9 @@ void PairBuckets::visit(std::uint32_t bucket, const std::function<void(std::span
                 if (got < 0 && errno == EINTR) continue;
                 if (got <= 0)
                     throw Error(ErrorCode::damaged_store, scratch_folder_.string(),
-                                "cannot read the scratch file at byte " + std::to_string(at));
+                                "cannot read the scratch file of pooling at byte " + std::to_string(at) + ": " +
+                                    (got < 0 ? std::strerror(errno) : "it ends there"),
+                                "check the disk, or choose another bake folder with --work, and run the same command again");
                 done += static_cast<std::size_t>(got);
             }
             body(run);

@@ -18,7 +18,7 @@ class FluxSums {
   public:
     FluxSums(const FluxInput& input, std::uint32_t replicates)
         : input_(input), replicates_(replicates), difference_(input.ids.size() * replicates), in_(input.ids.size()),
-          poisson_(input.ids.size()), hits_(input.ids.size()), expected_(input.ids.size()) {}
+          poisson_(input.ids.size()), own_rays_(input.ids.size()), others_rays_(input.ids.size()) {}
 
     void add(const NumberedEvidence& e) {
         for (std::size_t r = 0; r < e.block.rows.size(); ++r) add_row(e, r);
@@ -48,9 +48,9 @@ class FluxSums {
         return std::max(poisson_[p] - fixed, 0.05 * poisson_[p]);
     }
     [[nodiscard]] double in(std::size_t p) const { return in_[p]; }
-    /// Rays that are the base of the smaller side. Only from the patch's own rays: choosing by what it got would prefer
-    /// patches that got too much.
-    [[nodiscard]] double base(std::size_t p) const { return std::min(hits_[p], expected_[p]); }
+    /// Rays to be expected of the side that has fewer, by what both sides together have found. The pooled estimate has no
+    /// correlation with the difference of the two: choosing patches by it prefers no result.
+    [[nodiscard]] double base(std::size_t p) const { return std::min(own_rays_[p], others_rays_[p]); }
 
   private:
     void add_row(const NumberedEvidence& e, std::size_t index) {
@@ -60,27 +60,32 @@ class FluxSums {
             throw Error(ErrorCode::damaged_store, e.where, "replicate " + std::to_string(row.replicate) + ", the first block has " +
                                                                std::to_string(replicates_), "remove the file and bake again");
         const double per_ray = input_.rays[i] ? input_.area_m2[i] / input_.rays[i] : 0;  // m2
-        double hits = 0;
+        double hits = 0, own_rays = 0, others_rays = 0;
         for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
             const PatchNumber j = e.targets[e.block.target_index[k]];
             if (j == i || input_.rays[j] == 0) continue;
             const double n = e.block.counts[k], variance = n * per_ray * input_.area_m2[j] / input_.rays[j];
+            const double share = 1 / (1 + per_ray * input_.rays[j] / input_.area_m2[j]);  // of i's rays among both
             hits += n;
+            own_rays += n * share;
+            others_rays += n * (1 - share);
+            own_rays_[j] += n * (1 - share);
+            others_rays_[j] += n * share;
             difference_[std::size_t{j} * replicates_ + row.replicate] -= per_ray * n;
             in_[j] += per_ray * n;
             poisson_[i] += variance;
             poisson_[j] += variance;
-            expected_[i] += n * per_ray * input_.rays[j] / input_.area_m2[j];
         }
         difference_[std::size_t{i} * replicates_ + row.replicate] += per_ray * hits;
-        hits_[i] += hits;
+        own_rays_[i] += own_rays;
+        others_rays_[i] += others_rays;
     }
 
     const FluxInput& input_;
     std::uint32_t replicates_;
     std::vector<double> difference_;  ///< per patch and replicate: its part of the mean
     std::vector<double> in_, poisson_;
-    std::vector<double> hits_, expected_;  ///< own rays that met others, and rays of others to be expected from that
+    std::vector<double> own_rays_, others_rays_;  ///< pooled: own rays that meet others, rays of others that meet the patch
 };
 
 std::uint32_t replicates_in(const NumberedEvidence& e) {

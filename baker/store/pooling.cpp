@@ -5,6 +5,7 @@
 #include "baker/core/parallel.h"
 #include "baker/store/buckets.h"
 #include "baker/store/evidence_reader.h"
+#include "baker/store/level_ledger.h"
 #include "baker/store/pair_sort.h"
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/strip_file.h"
@@ -25,6 +26,7 @@ struct PatchTally {
     PatchNumber patch;
     std::uint64_t rays;
     std::uint32_t self, open, back;
+    EvidenceBlock::Row row;
 };
 
 struct Tallies {
@@ -67,7 +69,7 @@ NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const I
     found.tallies.reserve(block.rows.size());
     found.pairs.reserve(block.counts.size());
     for (const EvidenceBlock::Row& row : block.rows) {
-        PatchTally tally{ids.find(row.patch_id, where), std::uint64_t{row.open} + row.back, 0, row.open, row.back};
+        PatchTally tally{ids.find(row.patch_id, where), std::uint64_t{row.open} + row.back, 0, row.open, row.back, row};
         for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
             const PatchNumber i = tally.patch, j = number[block.target_index[k]];
             tally.rays += block.counts[k];
@@ -87,6 +89,7 @@ class Pooling {
         : layout_(layout),
           ids_(ids),
           tallies_(ids.size()),
+          ledger_(ids.size()),
           memory_(std::max<std::uint64_t>(options.memory_bytes, 8 << 20)),
           buckets_(layout.chunk_count(), memory_ / 2, options.scratch_folder) {
         for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) largest_chunk_ = std::max(largest_chunk_, layout.size(a));
@@ -101,7 +104,10 @@ class Pooling {
             const std::size_t count = std::min(batch, file.blocks().size() - begin);
             parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_); });
             for (std::size_t k = 0; k < count; ++k) {
-                for (const PatchTally& tally : found[k].tallies) tallies_.add(tally, file.name());
+                for (const PatchTally& tally : found[k].tallies) {
+                    ledger_.enter(tally.patch, tally.row, file.name() + ": block " + std::to_string(begin + k));
+                    tallies_.add(tally, file.name());
+                }
                 for (const Observation& pair : found[k].pairs) {
                     const ChunkNumber a = layout_.chunk_of(pair.low), b = layout_.chunk_of(pair.high);
                     buckets_.add(a, b, pair.low - layout_.first_patch[a], pair.high - layout_.first_patch[b], pair.count);
@@ -180,6 +186,7 @@ class Pooling {
     const ChunkLayout& layout_;
     IdIndex ids_;
     Tallies tallies_;
+    LevelLedger ledger_;
     std::uint64_t memory_;
     std::uint32_t largest_chunk_ = 1;
     PairBuckets buckets_;

@@ -22,8 +22,8 @@ struct PoolOptions {
 std::filesystem::path strip_path(const std::filesystem::path& folder, ChunkNumber a);
 
 /// Reads all evidence files (any cut, any order; all rounds) and publishes one strip file per chunk; returns false at once
-/// when all of them are there already. `ids`: stable id per patch number. Throws Error{damaged_store} for damaged evidence or ids that are
-/// not in this scene, Error{cannot_write}.
+/// when all of them are there already. `ids`: stable id per patch number. Throws Error{damaged_store} for damaged evidence, ids that are
+/// not in this scene and levels of a patch and replicate that are there twice, Error{cannot_write}.
 bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
                    std::span<const EvidenceFile> evidence_files, const std::filesystem::path& strip_folder, const Key& strip_key,
                    const PoolOptions& options, const ProgressFunction& progress);

@@ -1,17 +1,41 @@
 #include "formats/base/file.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <string_view>
 
 namespace luxel {
 namespace {
 
 std::string system_text() { return std::strerror(errno); }
+
+/// Of an open file; it may have changed since it was opened.
+std::uint64_t size_now(int descriptor) {
+    struct stat status {};
+    return ::fstat(descriptor, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
+constexpr std::string_view temporary_mark = ".tmp-";
+
+/// Number of the process that writes, or wrote, the temporary `name`; 0 if it is none.
+pid_t writer_of(const std::string& name) {
+    const std::size_t mark = name.rfind(temporary_mark);
+    if (mark == std::string::npos) return 0;
+    const char* const end = name.data() + name.size();
+    pid_t writer = 0;
+    unsigned serial = 0;
+    const auto [dash, failed] = std::from_chars(name.data() + mark + temporary_mark.size(), end, writer);
+    if (failed != std::errc() || writer <= 0 || dash == end || *dash != '-') return 0;
+    const auto [rest, serial_failed] = std::from_chars(dash + 1, end, serial);
+    return serial_failed == std::errc() && rest == end ? writer : 0;
+}
 
 }  // namespace
 
@@ -64,7 +88,7 @@ void RandomFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
         if (got <= 0)
             throw Error(ErrorCode::damaged_store, path_.string(),
                         "cannot read " + std::to_string(out.size()) + " bytes at byte " + std::to_string(offset) + ": " +
-                            (got < 0 ? system_text() : "file ends at byte " + std::to_string(size_)),
+                            (got < 0 ? system_text() : "file ends at byte " + std::to_string(size_now(descriptor_))),
                         "remove the file and run the same command again");
         done += static_cast<std::size_t>(got);
     }
@@ -77,7 +101,7 @@ PublishedFile::PublishedFile(std::filesystem::path path) : path_(std::move(path)
         throw Error(ErrorCode::cannot_write, path_.string(), "expected a file name, found a folder",
                     "name a file inside it");
     temporary_ = path_;
-    temporary_ += ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(serial++);
+    temporary_ += std::string(temporary_mark) + std::to_string(::getpid()) + "-" + std::to_string(serial++);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor_ < 0)
         throw Error(ErrorCode::cannot_write, path_.string(), "cannot create: " + system_text(),
@@ -120,6 +144,16 @@ void PublishedFile::publish() {
     if (directory >= 0) {
         ::fsync(directory);
         ::close(directory);
+    }
+}
+
+bool is_temporary(const std::filesystem::path& path) { return writer_of(path.filename().string()) != 0; }
+
+void remove_leftovers(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const pid_t writer = writer_of(entry.path().filename().string());
+        if (writer && ::kill(writer, 0) != 0 && errno == ESRCH) std::filesystem::remove(entry.path(), ignored);
     }
 }
 

@@ -49,6 +49,12 @@ class PublishedFile {
     std::uint64_t size_ = 0;
 };
 
+/// Is this the name of a file that PublishedFile has not published yet? It is not part of anything.
+bool is_temporary(const std::filesystem::path& path);
+
+/// Removes such files of `folder` whose process no longer runs, say because it was killed; what cannot be removed stays.
+void remove_leftovers(const std::filesystem::path& folder);
+
 /// append + publish in one call.
 void publish_file(const std::filesystem::path& path, ByteView bytes);
 

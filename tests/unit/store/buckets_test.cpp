@@ -9,6 +9,7 @@
 
 #include "baker/store/pair_sort.h"
 #include "formats/base/error.h"
+#include "tests/support/file_limit.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel {
@@ -112,6 +113,24 @@ TEST(PairSort, EqualsStableSortByPlace) {
             sort_pairs(pairs, bounds.chunk, bounds.side);
             EXPECT_EQ(pairs, expected) << bounds.chunk << ", " << bounds.side;
         }
+}
+
+TEST(PairBuckets, AFullDiskIsToldWithItsByte) {
+    const test::TemporaryFolder folder;
+    PairBuckets buckets(3, 0, folder.path());
+    for (std::uint32_t k = 0; k < 600; ++k) buckets.add(k % 3, 0, k, k + 1, 1);
+    {
+        const test::FileLimit limit(3000);
+        try {
+            buckets.settle();
+            ADD_FAILURE() << "nothing was thrown";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::cannot_write);
+            EXPECT_EQ(error.where, folder.path().string());
+            EXPECT_NE(error.what_text.find("at byte 3000: "), std::string::npos) << error.what_text;
+        }
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "the scratch file has no name";
 }
 
 }  // namespace

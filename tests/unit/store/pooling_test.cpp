@@ -39,6 +39,37 @@ TEST(Pooling, EqualsPlainCounting) {
     }
 }
 
+/// The same rays a second time: another file of the same name, an overlap of levels, a repeated record.
+TEST(Pooling, RefusesTheSameRaysTwice) {
+    MadeEvidence made;
+    made.layout.first_patch = {0, 1, 2};
+    made.ids = {7, 8};
+    const EvidenceRecord first{7, 1, 0, 3, 0, 0, {8}, {8}};
+    const auto refused = [&](const EvidenceRecord& second, bool other_file) -> std::string {
+        const TemporaryFolder folder;
+        made.records = {first, second};
+        const auto files = test::write_evidence(folder.path(), made.records, other_file ? 1 : 2, 1);
+        try {
+            pool(folder, made, files, "strips");
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::damaged_store);
+            EXPECT_NE(error.where.find(files.back().string() + ": block " + (other_file ? "0" : "1")), std::string::npos) << error.where;
+            EXPECT_FALSE(error.hint.empty());
+            return error.what_text;
+        }
+        return {};
+    };
+    for (const bool other_file : {false, true}) {
+        EXPECT_NE(refused(first, other_file).find("second time"), std::string::npos);
+        EXPECT_NE(refused({7, 1, 3, 5, 0, 0, {8}, {28}}, other_file), "") << "overlap in level 3";
+        EXPECT_NE(refused({7, 1, 0, 0, 1, 0, {}, {}}, other_file), "") << "overlap in level 0";
+        EXPECT_EQ(refused({7, 1, 4, 5, 0, 0, {8}, {24}}, other_file), "") << "the next levels";
+        EXPECT_EQ(refused({7, 0, 0, 3, 0, 0, {8}, {8}}, other_file), "") << "another replicate";
+        EXPECT_EQ(refused({8, 1, 0, 3, 0, 0, {7}, {8}}, other_file), "") << "another patch";
+        EXPECT_EQ(refused({7, 1, 31, 31, 0, 0, {8}, {1u << 30}}, other_file), "") << "the last level there is";
+    }
+}
+
 TEST(Pooling, CountsAbove16Bits) {
     const TemporaryFolder folder;
     MadeEvidence made;
