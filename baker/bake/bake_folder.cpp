@@ -13,6 +13,10 @@ namespace luxel {
 BakeFolder::BakeFolder(const std::filesystem::path& work, const std::filesystem::path& output) : root_(work) {
     if (!work.empty()) {
         make_folder(root_);
+        remove_leftovers(root_);
+        std::error_code ignored;
+        for (const auto& entry : std::filesystem::directory_iterator(root_, ignored))
+            if (stage_of(entry.path()) && entry.is_directory(ignored)) remove_leftovers(entry.path());
         return;
     }
     std::string name = output.string() + ".luxel-XXXXXX";

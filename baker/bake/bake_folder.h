@@ -22,7 +22,7 @@ namespace luxel {
 
 class BakeFolder {
   public:
-    /// `work` is kept; when it is empty, a temporary folder beside `output` is made and removed with this object.
+    /// `work` is kept, temporary files of killed runs in it are removed; when it is empty, a temporary folder beside `output` is made and removed with this object.
     BakeFolder(const std::filesystem::path& work, const std::filesystem::path& output);
     ~BakeFolder();
     BakeFolder(const BakeFolder&) = delete;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "formats/base/error.h"
+#include "formats/base/file.h"
 
 namespace luxel {
 namespace {
@@ -42,11 +43,14 @@ void list_files(StageEntry& entry) {
         const auto number = number_of(file.path().filename().string(), entry.stage);
         if (number && file.is_regular_file(failed))
             files.emplace_back(*number, file.path());
+        else if (is_temporary(file.path()))
+            entry.temporary.push_back(file.path());
         else
             entry.foreign.push_back(file.path());
     }
     std::sort(files.begin(), files.end());
     std::sort(entry.foreign.begin(), entry.foreign.end());
+    std::sort(entry.temporary.begin(), entry.temporary.end());
     for (auto& [number, path] : files) {
         entry.bytes += bytes_of(path);
         entry.files.push_back(std::move(path));
@@ -94,10 +98,10 @@ FolderListing list_folder(const std::filesystem::path& root) {
         const auto name = BakeFolder::stage_of(item.path());
         std::error_code ignored;
         if (!name || item.is_directory(ignored) != is_folder_stage(name->stage)) {
-            listing.foreign.push_back(item.path());
+            (is_temporary(item.path()) ? listing.temporary : listing.foreign).push_back(item.path());
             continue;
         }
-        StageEntry entry{name->stage, name->key, item.path(), {}, {}, 0};
+        StageEntry entry{name->stage, name->key, item.path(), {}, {}, {}, 0};
         if (is_folder_stage(entry.stage)) {
             list_files(entry);
         } else {
@@ -111,6 +115,7 @@ FolderListing list_folder(const std::filesystem::path& root) {
         return std::pair(a.stage, a.key.text()) < std::pair(b.stage, b.key.text());
     });
     std::sort(listing.foreign.begin(), listing.foreign.end());
+    std::sort(listing.temporary.begin(), listing.temporary.end());
     sort_bakes(listing);
     return listing;
 }

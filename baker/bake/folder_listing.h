@@ -16,6 +16,7 @@ struct StageEntry {
     std::filesystem::path path;
     std::vector<std::filesystem::path> files;  ///< sorted by number; the path itself if it is a file
     std::vector<std::filesystem::path> foreign;  ///< in the folder, but not named as its files are
+    std::vector<std::filesystem::path> temporary;  ///< in the folder, left by a run that was stopped: no part of it
     std::uint64_t bytes = 0;
 };
 
@@ -23,6 +24,7 @@ struct FolderListing {
     std::filesystem::path root;
     std::vector<StageEntry> entries;             ///< by stage, then key
     std::vector<std::filesystem::path> foreign;  ///< not named as ours
+    std::vector<std::filesystem::path> temporary;  ///< left in the root by runs that were stopped
     std::vector<Key> bakes;                      ///< strip keys of finished matrices, newest first
 
     /// Null if there is none.

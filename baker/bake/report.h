@@ -32,7 +32,8 @@ struct BakeReport {
     std::uint64_t store_bytes = 0;
     std::uint64_t evidence_rays = 0, evidence_rounds = 0;
     double evidence_seconds = 0;
-    double standard_error = 0;  ///< relative, of the patches' light (accuracy/standard_error.h)
+    /// Relative, of the patches' light (accuracy/standard_error.h). None where the estimator's counts do not scatter.
+    std::optional<double> standard_error;
     std::uint64_t least_rays = 0, most_rays = 0;  ///< of one patch
     ClosureReport closure;
 

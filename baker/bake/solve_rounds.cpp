@@ -101,6 +101,10 @@ class Rounds {
 
     /// Stage "accuracy". True if the wanted error is met.
     bool judge() {
+        if (!evidence_.extensible()) {
+            report_.skipped.push_back({"accuracy", "the counts of the hemicube do not scatter: no standard error can be found from them"});
+            return true;
+        }
         const Key key = KeyBuilder("accuracy 1").key(scene_.solution.key).finish();
         clock_.stage("accuracy", [&] {
             const auto path = folder_.accuracy(key);

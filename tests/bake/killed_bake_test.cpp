@@ -1,10 +1,14 @@
-// A bake that dies at any moment is continued by the next run, with the same bytes as an undisturbed one.
+// A bake that dies at any moment of evidence and pooling is continued by the next run: what was finished is not traced again,
+// and the bytes are those of an undisturbed one.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <cstdio>
 #include <fstream>
 #include <random>
 #include <sstream>
 
+#include "formats/base/file.h"
 #include "tests/bake/child_process.h"
 #include "tests/bake/whole_bake.h"
 #include "tests/support/temporary_folder.h"
@@ -13,15 +17,31 @@ namespace luxel::test {
 namespace {
 
 constexpr int kills = LUXEL_KILLS;
-constexpr int kills_in_a_row = 3;
+
+/// From when to when a stage ran, s after the start of the program.
+struct Span {
+    double begin = 0, end = 0;
+};
+
+/// What a published file is: which one on the disk, and when it was written.
+struct Stamp {
+    ino_t inode = 0;
+    std::int64_t written_ns = 0;
+    bool operator==(const Stamp&) const = default;
+};
+using Stamps = std::map<std::string, Stamp>;
+
+/// Where a killed run was, by what it left.
+enum class Moment { before, evidence, pooling, between };
 
 class KilledBake : public testing::Test {
   protected:
     [[nodiscard]] std::vector<std::string> arguments(const std::string& name) const {
-        return {"bake", sample("two_rooms").string(), "-o", (folder_ / name / "out/scene.glb").string(), "--work",
-                (folder_ / name / "work").string(), "--texels-per-metre", "6", "--atlas-size", "128", "--patch-texels", "2",
-                "--chunk-patches", "128", "--rays", "512", "--gather-rays", "16", "--threads", "2"};
+        return {"bake", sample("two_rooms").string(), "-o", (folder_ / name / "out/scene.glb").string(), "--work", work(name).string(),
+                "--texels-per-metre", "12", "--atlas-size", "256", "--patch-texels", "2", "--chunk-patches", "128", "--rays", "1024",
+                "--gather-rays", "0", "--threads", "2"};
     }
+    [[nodiscard]] std::filesystem::path work(const std::string& name) const { return folder_ / name / "work"; }
     [[nodiscard]] std::string log() const {
         std::stringstream text;
         text << std::ifstream(folder_ / "log").rdbuf();
@@ -34,33 +54,113 @@ class KilledBake : public testing::Test {
             EXPECT_EQ(bytes, whole.at(file)) << file << " is there but not whole";
     }
 
+    /// Runs undisturbed with a report; the spans of evidence and pooling, all rounds.
+    std::vector<Span> measure(const std::string& name) const {
+        auto with_report = arguments(name);
+        with_report.insert(with_report.end(), {"--report", (folder_ / "report.json").string()});
+        const ChildResult result = run_luxel(with_report, folder_ / "log");
+        EXPECT_EQ(result.exit_code, 0) << log();
+        const auto report = nlohmann::json::parse(std::ifstream(folder_ / "report.json"));
+        double at = 0;
+        for (const auto& stage : report["stages"]) at += stage["seconds"].get<double>();
+        at = result.seconds - at;  // start of the program, and what lies between stages
+        std::vector<Span> spans;
+        for (const auto& stage : report["stages"]) {
+            const double seconds = stage["seconds"].get<double>();
+            if (stage["name"] == "evidence" || stage["name"] == "pooling") spans.push_back({at, at + seconds});
+            at += seconds;
+        }
+        return spans;
+    }
+
+    [[nodiscard]] Stamps stamps(const std::string& name, const std::string& stage) const {
+        Stamps found;
+        if (!std::filesystem::exists(work(name))) return found;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(work(name))) {
+            const std::string file = std::filesystem::relative(entry.path(), work(name)).string();
+            if (!entry.is_regular_file() || !file.starts_with(stage) || is_temporary(entry.path())) continue;
+            struct stat status {};
+            if (::stat(entry.path().c_str(), &status) == 0)
+                found[file] = {status.st_ino, status.st_mtim.tv_sec * 1000000000LL + status.st_mtim.tv_nsec};
+        }
+        return found;
+    }
+    [[nodiscard]] std::size_t temporaries(const std::string& name) const {
+        std::size_t count = 0;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(work(name))) count += is_temporary(entry.path());
+        return count;
+    }
+
+    /// The last round's folders tell: strips that are not all there, or evidence without strips that is not all there.
+    [[nodiscard]] Moment moment(const std::string& name, std::size_t chunks) const {
+        const auto whole = [&](const std::string& stage) {
+            std::map<std::string, std::size_t> files;
+            if (std::filesystem::exists(work(name)))
+                for (const auto& entry : std::filesystem::directory_iterator(work(name)))
+                    if (entry.path().filename().string().starts_with(stage)) files[entry.path().string()] = 0;
+            for (const auto& [file, stamp] : stamps(name, stage)) ++files[(work(name) / file).parent_path().string()];
+            return std::pair(files.size(), std::all_of(files.begin(), files.end(), [&](const auto& f) { return f.second == chunks; }));
+        };
+        const auto [rounds, evidence_whole] = whole("evidence-");
+        const bool strips_whole = whole("strips-").second;
+        if (rounds == 0) return Moment::before;
+        if (!evidence_whole) return Moment::evidence;
+        return !strips_whole ? Moment::pooling : Moment::between;
+    }
+
     const TemporaryFolder folder_;
 };
 
 TEST_F(KilledBake, IsContinuedByTheNextRun) {
-    const ChildResult undisturbed = run_luxel(arguments("whole"), folder_ / "log");
-    ASSERT_EQ(undisturbed.exit_code, 0) << log();
-    const FileBytes outputs = files_below(folder_ / "whole/out"), stored = files_below(folder_ / "whole/work");
+    const std::vector<Span> spans = measure("whole");
+    const FileBytes outputs = files_below(folder_ / "whole/out"), stored = files_below(work("whole"));
+    const std::size_t chunks = stamps("whole", "strips-").size();
+    ASSERT_GT(chunks, 4u) << "else there is nothing to lose";
+    double total_s = 0;
+    for (const Span& span : spans) total_s += span.end - span.begin;
 
     std::mt19937 random(7);
-    std::uniform_real_distribution<double> moment(0, undisturbed.seconds);
-    int killed = 0;
+    std::uniform_real_distribution<double> place(0, total_s);
+    std::map<Moment, int> moments;
+    int killed = 0, kept = 0;
     for (int run = 0; killed < kills; ++run) {
         ASSERT_LT(run, 4 * kills);
+        double at = place(random);
+        std::size_t span = 0;
+        for (; span + 1 < spans.size() && at > spans[span].end - spans[span].begin; ++span) at -= spans[span].end - spans[span].begin;
+        const double after_s = spans[span].begin + at;
+        SCOPED_TRACE("killed after " + std::to_string(after_s) + " s");
         const std::string name = "run" + std::to_string(run);
-        std::ostringstream moments;
-        for (int k = 0; k < kills_in_a_row; ++k) {
-            const double after_s = moment(random);
-            moments << after_s << " s ";
-            killed += run_luxel(arguments(name), folder_ / "log", after_s).killed;
-            expect_only_whole_outputs(name, outputs);
+        const bool was_killed = run_luxel(arguments(name), folder_ / "log", after_s).killed;
+        killed += was_killed;
+        if (was_killed) ++moments[moment(name, chunks)];
+        expect_only_whole_outputs(name, outputs);
+        const Stamps evidence = stamps(name, "evidence-");
+        if (was_killed && std::filesystem::exists(work(name))) {
+            // Jobs are done one after the other, each published when it is done: one is in flight.
+            ASSERT_LE(temporaries(name), 1u);
+            for (const auto& [file, stamp] : evidence) {
+                std::ifstream bytes(work(name) / file, std::ios::binary);
+                ASSERT_EQ(std::string(std::istreambuf_iterator<char>(bytes), {}), stored.at(file)) << file << " is there but not whole";
+            }
         }
-        SCOPED_TRACE("killed after " + moments.str());
         ASSERT_EQ(run_luxel(arguments(name), folder_ / "log").exit_code, 0) << log();
+        const Stamps after = stamps(name, "evidence-");
+        for (const auto& [file, stamp] : evidence) {
+            ASSERT_TRUE(after.contains(file)) << file;
+            ASSERT_EQ(after.at(file), stamp) << file << " was finished, and traced again";
+            ++kept;
+        }
+        EXPECT_EQ(temporaries(name), 0u) << "of the killed run";
         ASSERT_EQ(differences(outputs, files_below(folder_ / name / "out")), "");
-        ASSERT_EQ(differences(stored, files_below(folder_ / name / "work")), "");
+        ASSERT_EQ(differences(stored, files_below(work(name))), "");
         std::filesystem::remove_all(folder_ / name);
     }
+    std::printf("%d kills: %d in evidence, %d in pooling, %d between stages, %d before; %d finished files were used again\n", killed,
+                moments[Moment::evidence], moments[Moment::pooling], moments[Moment::between], moments[Moment::before], kept);
+    EXPECT_GT(moments[Moment::evidence], 0);
+    EXPECT_GT(kept, 0);
+    EXPECT_TRUE(kills < 50 || moments[Moment::pooling] > 0);
 }
 
 }  // namespace

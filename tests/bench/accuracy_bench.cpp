@@ -80,7 +80,7 @@ fs::path run(const Settings& s, const fs::path& input, const fs::path& folder, c
     o.seed = seed;
     const BakeReport report = bake(o);
     fmt::print(stderr, "{}: {} patches, {:.0f} rays per patch, predicted error {:.4f}\n", name, report.patches,
-               static_cast<double>(report.evidence_rays) / static_cast<double>(report.patches), report.standard_error);
+               static_cast<double>(report.evidence_rays) / static_cast<double>(report.patches), report.standard_error.value_or(0));
     return o.work;
 }
 

@@ -311,6 +311,35 @@ class Output(Case):
                 self.assert_refused(self.bake("--work", self.path("work"), limit_file_bytes=limit), CANNOT_WRITE, "scene")
                 self.assertEqual([name for name in files_below(self.path("work")) if ".tmp-" in name], [])
 
+    def test_a_full_disk_at_any_stage_is_told_and_continued(self):
+        """The message has file and byte, what is there is whole, and with space the same command goes on to the same bytes."""
+        settings = ["--patch-texels", "1", "--chunk-patches", "64"]
+        whole = self.path("whole")
+        self.assert_done(self.bake(*settings, "--work", whole))
+        stored = {name: read(os.path.join(whole, name)) for name in files_below(whole)}
+        outputs = {name: read(os.path.join(self.out, name)) for name in files_below(self.out)}
+        for stage in ("atlas", "evidence", "strips", "closure", "solution", "accuracy"):
+            with self.subTest(stage):
+                shutil.rmtree(self.out)
+                work = self.path("work-" + stage)
+                shutil.copytree(whole, work)
+                mine = [name for name in stored if name.startswith(stage + "-")]
+                for name in mine:
+                    os.remove(os.path.join(work, name))
+                limit = max(len(stored[name]) for name in mine) - 1
+                result = self.bake(*settings, "--work", work, limit_file_bytes=limit)
+                self.assert_refused(result, CANNOT_WRITE)
+                where = re.search(r"^luxel: error: (\S+): cannot write at byte (\d+): ", result.stderr, re.M)
+                self.assertIsNotNone(where, result.stderr)
+                self.assertEqual(int(where.group(2)), limit)
+                self.assertIn(os.path.relpath(where.group(1), work), mine)
+                self.assertEqual([name for name in files_below(work) if ".tmp-" in name], [])
+                for name in files_below(work):
+                    self.assertEqual(read(os.path.join(work, name)), stored[name], name + " is neither whole nor absent")
+                self.assert_done(self.bake(*settings, "--work", work))
+                self.assertEqual({name: read(os.path.join(work, name)) for name in files_below(work)}, stored)
+                self.assertEqual({name: read(os.path.join(self.out, name)) for name in files_below(self.out)}, outputs)
+
     def test_full_file_system(self):
         disk = self.path("disk")
         os.makedirs(disk)

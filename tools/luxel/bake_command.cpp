@@ -71,6 +71,9 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.patch_texels = a.patch_texels;
     o.chunk_patches = a.chunk_patches;
     o.estimator = a.estimator == "hemicube" ? EstimatorKind::hemicube : EstimatorKind::ray;
+    if (o.estimator == EstimatorKind::hemicube && a.error > 0)
+        throw Error(ErrorCode::usage, "--error", "the counts of the hemicube do not scatter, so no error can be found from them",
+                    "leave out --error, or choose --estimator ray");
     o.hemicube_resolution = a.hemicube_resolution;
     o.importance = a.importance == "on";
     o.error = a.error;
@@ -113,9 +116,11 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
 void print_summary(const BakeReport& report, const BakeOptions& options) {
     double seconds = 0;
     for (const StageReport& stage : report.stages) seconds += stage.seconds;
-    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; standard error {:.1f} %, solved to {:.1e}; {:.1f} s, {} MB\n",
+    const std::string error =
+        report.standard_error ? fmt::format("standard error {:.1f} %, ", 100 * *report.standard_error) : std::string();
+    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; {}solved to {:.1e}; {:.1f} s, {} MB\n",
                options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s",
-               report.patches, report.pairs, 100 * report.standard_error, report.error_bound, seconds, report.peak_bytes >> 20);
+               report.patches, report.pairs, error, report.error_bound, seconds, report.peak_bytes >> 20);
 }
 
 int run(const Arguments& arguments, const CLI::App& command) {

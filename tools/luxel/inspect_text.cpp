@@ -42,6 +42,12 @@ std::string matrix_text(const MatrixInspection& m, const FolderListing& listing)
     return text;
 }
 
+std::size_t temporary_files(const FolderListing& listing) {
+    std::size_t count = listing.temporary.size();
+    for (const StageEntry& entry : listing.entries) count += entry.temporary.size();
+    return count;
+}
+
 std::string listing_text(const FolderListing& listing) {
     std::string text;
     std::uint64_t bytes = 0;
@@ -50,6 +56,8 @@ std::string listing_text(const FolderListing& listing) {
     for (const StageEntry& entry : listing.entries)
         text += fmt::format("  {:<12} {}  {:>5} file{}  {}\n", entry.stage, entry.key.text(), entry.files.size(), entry.files.size() == 1 ? " " : "s", bytes_text(entry.bytes));
     for (const auto& path : listing.foreign) text += fmt::format("  not of a bake: {}\n", name_of(path));
+    const std::size_t temporary = temporary_files(listing);
+    if (temporary) text += fmt::format("  {} temporary file{} of stopped runs: the next bake removes them\n", temporary, temporary == 1 ? "" : "s");
     return text;
 }
 
@@ -142,6 +150,7 @@ std::string inspect_json(const InspectReport& report) {
         stages.push_back({{"stage", e.stage}, {"key", e.key.text()}, {"files", e.files.size()}, {"bytes", e.bytes}});
     json& foreign = out["foreign"] = json::array();
     for (const auto& path : report.listing.foreign) foreign.push_back(name_of(path));
+    out["temporary_files"] = temporary_files(report.listing);
     json& bakes = out["bakes"] = json::array();
     for (const Key& key : report.listing.bakes) bakes.push_back(key.text());
     if (report.matrix) out["matrix"] = matrix_json(*report.matrix);

@@ -23,7 +23,7 @@ std::string report_json(const BakeReport& r) {
         {"rounds", r.evidence_rounds},
         {"least_rays", r.least_rays},
         {"most_rays", r.most_rays},
-        {"standard_error", r.standard_error}};
+        {"standard_error", r.standard_error ? json(*r.standard_error) : json()}};
     out["closure"] = {{"iterations", r.closure.iterations},
                       {"max_row_error_before", r.closure.max_row_error_before},
                       {"mean_row_error_before", r.closure.mean_row_error_before},
