@@ -22,4 +22,9 @@ struct LightState {
 /// Throws Error{internal} when a size differs from the others.
 void check(const LightState& light);
 
+/// No patch has any radiosity in this channel.
+bool is_dark(const LightState& light, std::size_t channel);
+/// Radiosity and reflectance of every patch are the same in both channels: what holds for one holds for the other.
+bool same_channel(const LightState& light, std::size_t a, std::size_t b);
+
 }  // namespace luxel

@@ -4,19 +4,10 @@
 #include <cmath>
 
 #include "baker/accuracy/pair_pass.h"
+#include "baker/accuracy/sensitivity.h"
 
 namespace luxel {
 namespace {
-
-/// rho_i^2 (B - H_i)^2 / A_i over the channels: what a m2 of wrong exchange with radiosity B costs patch i.
-double cost(const LightState& light, PatchNumber i, const Channels& radiosity) {
-    double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const double error = static_cast<double>(light.reflectance[i][static_cast<int>(c)]) * (radiosity[c] - light.irradiance[i][c]);
-        sum += error * error;
-    }
-    return sum / light.area_m2[i];
-}
 
 /// Scales rays to the total, floors kept: the free ones share what the floors leave.
 void scale_to_total(std::vector<double>& rays, double total_rays, double floor_rays) {
@@ -41,18 +32,17 @@ std::vector<double> best_rays(BlockSource& source, const LightState& light, doub
     check(light);
     const std::size_t count = light.ids.size();
     std::vector<double> rays(count, count > 0 ? total_rays / static_cast<double>(count) : 0.0), density(count);
-    const Channels dark{0, 0, 0};
+    const Sensitivity sensitivity(source, light);
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         for (std::size_t i = 0; i < count; ++i) density[i] = rays[i] / light.area_m2[i];
         const PatchSums<1> sums = sum_over_pairs<1>(source, [&](PatchNumber i, PatchNumber j, double area_m2, auto& to_i, auto& to_j) {
             const double density_sum = density[i] + density[j];
-            const double gain = area_m2 * (cost(light, i, light.radiosity[j]) + cost(light, j, light.radiosity[i])) /
-                                (density_sum * density_sum);
+            const double gain = area_m2 * sensitivity.of_pair(i, j) / (density_sum * density_sum);
             to_i[0] += gain;
             to_j[0] += gain;
         });
         for (std::size_t i = 0; i < count; ++i) {
-            const double open_gain = light.open_m2[i] * cost(light, static_cast<PatchNumber>(i), dark) / (density[i] * density[i]);
+            const double open_gain = light.open_m2[i] * sensitivity.of_open(static_cast<PatchNumber>(i)) / (density[i] * density[i]);
             rays[i] *= std::sqrt((sums[i][0] + std::max(0.0, open_gain)) / light.area_m2[i]);
         }
         // Brightness has no scale of its own: keep the numbers in range before floors are compared with them.

@@ -1,12 +1,9 @@
 /// Where the next rays help most.
 ///
-/// The exchange area of a pair is known with the variance G_ij / (mu_i + mu_j), mu in rays/m2 (formfactors/closure.h). An
-/// error dG of it brings the error rho_i / A_i (B_j - H_i) dG into B_i and rho_j / A_j (B_i - H_j) dG into B_j: closure makes
-/// up for it in the rest of the row, so only the difference to the mean H that is gathered counts. The area-weighted
-/// squared error of all patches, further bounces left out, is
-///     V = sum_pairs w_ij / (mu_i + mu_j) + sum_i w_i0 / mu_i,
-///     w_ij = G_ij (rho_i^2 / A_i (B_j - H_i)^2 + rho_j^2 / A_j (B_i - H_j)^2),   w_i0 = open_i rho_i^2 / A_i H_i^2,
-/// summed over channels. It is convex in mu. The least V for a given number of rays, sum mu_i A_i, has
+/// The exchange area of a pair is known with the variance G_ij / (mu_i + mu_j), mu in rays/m2 (formfactors/closure.h), and an
+/// error of it costs the light of all patches s_ij (sensitivity.h). The expected area-weighted squared error is
+///     V = sum_pairs w_ij / (mu_i + mu_j) + sum_i w_i0 / mu_i,    w_ij = G_ij s_ij,    w_i0 = open_i s_i0.
+/// It is convex in mu. The least V for a given number of rays, sum mu_i A_i, has
 ///     sum_j w_ij / (mu_i + mu_j)^2 + w_i0 / mu_i^2 = lambda A_i,
 /// which the iteration mu_i *= sqrt(left_i / (lambda A_i)) finds. So lamps, which all others see, get many rays, and a
 /// patch that sees nothing but even light gets few. Derived here.

@@ -13,11 +13,59 @@ struct Gathered {
     double light = 0, rays = 0;  ///< sum n_ij B_j and sum n_ij of one replicate
 };
 
+double gain_of(double measured, double independent) {
+    return independent > 0 ? std::clamp(measured / independent, 0.02, 2.0) : 1.0;
+}
+
+/// Spread of single counts over the replicates of a patch, by size of the count.
+class CountSpread {
+  public:
+    explicit CountSpread(std::uint32_t replicates) : replicates_(replicates) {}
+
+    /// Rows [first, first + replicates) of the block are the replicates of one patch and round.
+    void add(const EvidenceBlock& block, std::size_t first) {
+        hits_.clear();
+        for (std::size_t r = first; r < first + replicates_; ++r)
+            for (std::uint32_t k = block.rows[r].first; k < block.rows[r].first + block.rows[r].count; ++k)
+                hits_.emplace_back(block.target_index[k], block.counts[k]);
+        std::sort(hits_.begin(), hits_.end());
+        for (std::size_t k = 0; k < hits_.size();) {
+            const std::uint32_t target = hits_[k].first;
+            double sum = 0, square = 0;
+            for (; k < hits_.size() && hits_[k].first == target; ++k) {
+                const double n = hits_[k].second;
+                sum += n;
+                square += n * n;
+            }
+            const double r = replicates_;
+            const auto bin = static_cast<std::size_t>(std::ilogb(sum));
+            measured_[bin] += (square - sum * sum / r) * r / (r - 1);
+            independent_[bin] += sum;
+        }
+    }
+
+    [[nodiscard]] std::array<double, 33> gains() const {
+        std::array<double, 33> gains{};
+        double last = 1;
+        for (std::size_t bin = 0; bin < gains.size(); ++bin) {
+            if (independent_[bin] > 0) last = gain_of(measured_[bin], independent_[bin]);
+            gains[bin] = last;  // larger counts than were seen: as the largest seen
+        }
+        return gains;
+    }
+
+  private:
+    std::uint32_t replicates_;
+    std::array<double, 33> measured_{}, independent_{};
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> hits_;
+};
+
 /// What all records say of each patch.
 class Tally {
   public:
     Tally(const LightState& light, std::uint32_t replicates)
-        : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()) {
+        : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()),
+          counts_(replicates) {
         for (std::size_t p = 0; p < light.ids.size(); ++p) number_.emplace(light.ids[p], p);
     }
 
@@ -37,9 +85,18 @@ class Tally {
                 square_[patch] += n * b * b;
             }
         }
+        if (replicates_ < 2) return;
+        for (std::size_t first = 0; first < block.rows.size();) {
+            const bool whole = all_replicates(block, first);
+            if (whole) counts_.add(block, first);
+            first += whole ? replicates_ : 1;
+        }
     }
 
-    [[nodiscard]] std::vector<double> gains() const {
+    [[nodiscard]] ReplicateGains gains() const { return {row_gains(), counts_.gains()}; }
+
+  private:
+    [[nodiscard]] std::vector<double> row_gains() const {
         std::array<double, 64> measured{}, independent{};
         std::vector<int> level(light_.ids.size(), -1);
         for (std::size_t p = 0; p < level.size(); ++p) {
@@ -59,12 +116,20 @@ class Tally {
         for (std::size_t p = 0; p < gains.size(); ++p) {
             if (level[p] < 0) continue;
             const auto k = static_cast<std::size_t>(level[p]);
-            if (replicates_ > 1 && independent[k] > 0) gains[p] = std::clamp(measured[k] / independent[k], 0.02, 2.0);
+            if (replicates_ > 1) gains[p] = gain_of(measured[k], independent[k]);
         }
         return gains;
     }
 
-  private:
+    [[nodiscard]] bool all_replicates(const EvidenceBlock& block, std::size_t first) const {
+        if (first + replicates_ > block.rows.size()) return false;
+        const EvidenceBlock::Row& head = block.rows[first];
+        for (std::uint32_t r = 0; r < replicates_; ++r) {
+            const EvidenceBlock::Row& row = block.rows[first + r];
+            if (row.patch_id != head.patch_id || row.first_level != head.first_level || row.last_level != head.last_level) return false;
+        }
+        return true;
+    }
     std::size_t find(PatchId id, const std::string& where) const {
         const auto at = number_.find(id);
         if (at == number_.end())
@@ -91,12 +156,18 @@ class Tally {
     std::uint32_t replicates_;
     std::vector<Gathered> gathered_;
     std::vector<double> square_;  ///< sum n_ij B_j^2
+    CountSpread counts_;
     std::unordered_map<PatchId, std::size_t> number_;
 };
 
 }  // namespace
 
-std::vector<double> replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates) {
+double ReplicateGains::of_count(double rays) const {
+    if (!(rays >= 2)) return 1;
+    return counts[static_cast<std::size_t>(std::min(32, std::ilogb(rays)))];
+}
+
+ReplicateGains replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates) {
     check(light);
     Tally tally(light, replicates);
     for (const EvidenceFile& entry : files) {

@@ -5,7 +5,12 @@
 /// would have p^2 = sum_j n_ij (B_j - h)^2 / N^2 (rays into the open or onto backs bring 0). One patch has too few
 /// replicates for a ratio of its own, so the gain is taken per level: sum s^2 / h^2 over sum p^2 / h^2 over the patches
 /// with that many rays.
+///
+/// What others gather from the patch depends on single counts: n_ij has the variance R / (R - 1) sum (n_ij^r - n_ij / R)^2 where
+/// independent rays would have n_ij. That gain is taken per power of two of n_ij: a lamp's thousand rays onto one patch of the
+/// floor come much more evenly than its three rays onto a far one.
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -14,9 +19,16 @@
 
 namespace luxel {
 
-/// Ratio of variances, 0.02 .. 2, per patch: that of the patch's level. 1 where it cannot be known (one replicate, no
-/// light). Reads each file once, in order; memory 8 * (2 R + 2) bytes per patch. `replicates`: R.
-/// Throws Error{damaged_store}.
-std::vector<double> replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates);
+struct ReplicateGains {
+    std::vector<double> rows;       ///< per patch: ratio of variances of what it gathers by its own rays, 0.02 .. 2
+    std::array<double, 33> counts;  ///< entry k: the same of a single count of 2^k .. 2^(k + 1) - 1 rays
+
+    /// Gain of a count of which `rays` are expected; 1 below two.
+    [[nodiscard]] double of_count(double rays) const;
+};
+
+/// All gains are 1 where they cannot be known (one replicate, no light). Reads each file once, in order; memory
+/// 8 * (2 R + 2) bytes per patch. `replicates`: R. Throws Error{damaged_store}.
+ReplicateGains replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates);
 
 }  // namespace luxel

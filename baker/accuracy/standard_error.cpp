@@ -21,36 +21,25 @@ void add_noise(std::array<double, pattern_count + 1>& to, double error, std::uin
 }
 
 /// Wrong light arriving per patch, lm, per pattern; and its variance.
-NoiseSums pair_noise(BlockSource& source, const LightState& light, std::span<const double> gains, std::size_t c) {
+NoiseSums pair_noise(BlockSource& source, const LightState& light, const ReplicateGains& gains, std::size_t c) {
     NoiseSums noise = sum_over_pairs<pattern_count + 1>(source, [&](PatchNumber i, PatchNumber j, double area_m2, auto& to_i, auto& to_j) {
         const double mu_i = light.mu[i], mu_j = light.mu[j], mu = mu_i + mu_j;
-        const double sigma_i = std::sqrt(area_m2 * (mu_i * gains[i] + mu_j)) / mu;
-        const double sigma_j = std::sqrt(area_m2 * (mu_i + mu_j * gains[j])) / mu;
+        const double from_i = gains.of_count(area_m2 * mu_i), from_j = gains.of_count(area_m2 * mu_j);
+        const double sigma_i = std::sqrt(area_m2 * (mu_i * gains.rows[i] + mu_j * from_j)) / mu;
+        const double sigma_j = std::sqrt(area_m2 * (mu_i * from_i + mu_j * gains.rows[j])) / mu;
         const std::uint64_t signs = signs_of(light.ids[i], light.ids[j]);
         add_noise(to_i, sigma_i * (light.radiosity[j][c] - light.irradiance[i][c]), signs);
         add_noise(to_j, sigma_j * (light.radiosity[i][c] - light.irradiance[j][c]), signs);
     });
     for (std::size_t i = 0; i < noise.size(); ++i)
         if (light.open_m2[i] > 0 && light.mu[i] > 0)
-            add_noise(noise[i], -std::sqrt(light.open_m2[i] * gains[i] / light.mu[i]) * light.irradiance[i][c],
+            add_noise(noise[i], -std::sqrt(light.open_m2[i] * gains.rows[i] / light.mu[i]) * light.irradiance[i][c],
                       mix(light.ids[i]));
     return noise;
 }
 
-bool same_channel(const LightState& light, std::size_t a, std::size_t b) {
-    for (std::size_t i = 0; i < light.ids.size(); ++i)
-        if (light.reflectance[i][static_cast<int>(a)] != light.reflectance[i][static_cast<int>(b)] ||
-            light.radiosity[i][a] != light.radiosity[i][b])
-            return false;
-    return true;
-}
-
-bool is_dark(const LightState& light, std::size_t c) {
-    return std::all_of(light.radiosity.begin(), light.radiosity.end(), [c](const Channels& b) { return b[c] == 0; });
-}
-
 /// Variance of H per patch in one channel.
-std::vector<double> irradiance_variance(BlockSource& source, const LightState& light, std::span<const double> gains,
+std::vector<double> irradiance_variance(BlockSource& source, const LightState& light, const ReplicateGains& gains,
                                         std::size_t c) {
     std::vector<double> variance(light.ids.size());
     Patterns noise(light.ids.size());
@@ -77,7 +66,7 @@ std::vector<double> irradiance_variance(BlockSource& source, const LightState& l
 
 }  // namespace
 
-StandardError standard_error(BlockSource& source, const LightState& light, std::span<const double> gains,
+StandardError standard_error(BlockSource& source, const LightState& light, const ReplicateGains& gains,
                              double mean_irradiance) {
     check(light);
     const std::size_t count = light.ids.size();

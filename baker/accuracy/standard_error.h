@@ -1,7 +1,7 @@
 /// The standard error of every patch's light: what the choice of rays, and nothing else, may have changed.
 ///
-/// Each exchange area carries an independent error of variance G_ij (mu_i g_i + mu_j) / (mu_i + mu_j)^2 as patch i feels it (g_i:
-/// its replicate gain, for its own rays; the rays of others meet it like independent ones), weighted by B_j - H_i as
+/// Each exchange area carries an independent error of variance G_ij (mu_i g_i + mu_j h_ji) / (mu_i + mu_j)^2 as patch i feels it
+/// (g_i: the replicate gain of its own rays, h_ji: that of the count of j's rays on it), weighted by B_j - H_i as
 /// in ray_allocation.h; what leaves into the open is a partner with B = 0. The sum over a row is the local variance, known
 /// without chance. To follow it through further bounces the errors of all pairs get random signs, keyed by the stable ids of
 /// both patches, in 8 patterns which are solved like light (error_propagation.h); what the bounces add to the variance
@@ -10,7 +10,7 @@
 #pragma once
 #include <vector>
 
-#include "baker/accuracy/light_state.h"
+#include "baker/accuracy/replicate_gain.h"
 
 namespace luxel {
 
@@ -23,7 +23,7 @@ struct StandardError {
 
 /// `gains`: replicate_gain.h, per patch. `mean_irradiance`: of the whole scene, area-weighted, luminance, lamps included.
 /// Reads the matrix some 10 times per channel that is lit; equal channels are done once.
-StandardError standard_error(BlockSource& source, const LightState& light, std::span<const double> gains,
+StandardError standard_error(BlockSource& source, const LightState& light, const ReplicateGains& gains,
                              double mean_irradiance);
 
 }  // namespace luxel

@@ -114,7 +114,7 @@ class Rounds {
             }
             ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
             BlockCache cache(strips, plan_.cache_bytes);
-            const std::vector<double> gains = replicate_gains(evidence_.files(), light(), evidence_.replicates());
+            const ReplicateGains gains = replicate_gains(evidence_.files(), light(), evidence_.replicates());
             scene_.error = standard_error(cache, light(), gains, mean_irradiance());
             save_accuracy(path, key, scene_.error);
             return false;

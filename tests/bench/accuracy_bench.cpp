@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -171,6 +172,17 @@ struct Score {
     }
 };
 
+/// How errors compare with the standard error that was predicted for them.
+struct Calibration {
+    double inside = 0, count = 0, sum = 0, square = 0;
+    void add(double z) {
+        ++count;
+        inside += std::abs(z) < 2 ? 1 : 0;
+        sum += z;
+        square += z * z;
+    }
+};
+
 void compare(const Settings& s) {
     const fs::path folder = fs::temp_directory_path() / fmt::format("luxel_accuracy_{}", ::getpid());
     fs::create_directories(folder);
@@ -181,7 +193,10 @@ void compare(const Settings& s) {
     const Patches p = patches_of(options_of(s, input, folder, "reference"), truth,
                                  green(column(only(reference, "solution-"), 5, FileKind::solution)), number);
     Score rows, plain, importance;
-    double inside = 0, judged = 0;
+    Calibration bright, dim;
+    std::vector<double> sorted = truth;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double middle = sorted[sorted.size() / 2];
     for (std::uint32_t seed = 1; seed <= s.seeds; ++seed) {
         const fs::path even = run(s, input, folder, "even", s.rays, false, seed), best = run(s, input, folder, "best", s.rays, true, seed);
         rows.add(rows_alone(even, p, number), truth, p);
@@ -191,8 +206,7 @@ void compare(const Settings& s) {
         const auto sigma = green(column(only(best, "accuracy-"), 0, FileKind::accuracy));
         for (std::size_t k = 0; k < found.size(); ++k) {
             if (sigma[k] <= 0) continue;
-            ++judged;
-            inside += std::abs(found[k] - truth[k]) < 2 * sigma[k] ? 1 : 0;
+            (truth[k] < middle ? dim : bright).add((found[k] - truth[k]) / sigma[k]);
         }
         if (seed == s.seeds)
             for (const auto& [name, score] : {std::pair{"rows alone", &rows}, {"pooled, closed", &plain}, {"with importance", &importance}})
@@ -201,7 +215,9 @@ void compare(const Settings& s) {
         fs::remove_all(even);
         fs::remove_all(best);
     }
-    fmt::print("within two sigma: {:.1f} % of {} patches\n", 100 * inside / judged, judged);
+    for (const auto& [name, c] : {std::pair{"brighter", &bright}, {"dimmer", &dim}})
+        fmt::print("{} half: within two sigma {:.1f} %, error / sigma: mean {:+.2f}, rms {:.2f} ({} patches)\n", name,
+                   100 * c->inside / c->count, c->sum / c->count, std::sqrt(c->square / c->count), c->count);
     fs::remove_all(folder);
 }
 
