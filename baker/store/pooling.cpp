@@ -1,6 +1,7 @@
 #include "baker/store/pooling.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "baker/core/parallel.h"
 #include "baker/store/buckets.h"
@@ -48,10 +49,10 @@ struct Tallies {
     }
 };
 
-/// One observation on its way to a bucket.
+/// One observation on its way to bucket a: row and column count from the first patches of chunks a and b.
 struct Observation {
-    PatchNumber low, high;
-    std::uint32_t count;
+    ChunkNumber a, b;
+    std::uint32_t row, column, count;
 };
 
 /// Rows of one evidence block by number.
@@ -60,23 +61,37 @@ struct NumberedBlock {
     std::vector<Observation> pairs;
 };
 
-NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids) {
+/// A patch and where it is in its chunk.
+struct Place {
+    explicit Place(const ChunkLayout& layout, PatchNumber patch)
+        : number(patch), chunk(layout.chunk_of(patch)), offset(patch - layout.first_patch[chunk]) {}
+    PatchNumber number;
+    ChunkNumber chunk;
+    std::uint32_t offset;
+};
+
+NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids, const ChunkLayout& layout) {
     const std::string where = file.name() + ": block " + std::to_string(index);
     const EvidenceBlock block = decode_evidence(file.read(index), where);
-    std::vector<PatchNumber> number(block.targets.size());
-    for (std::size_t k = 0; k < number.size(); ++k) number[k] = ids.find(block.targets[k], where);
+    // Each target is looked for once per block, not once per pair.
+    std::vector<Place> targets;
+    targets.reserve(block.targets.size());
+    for (const PatchId id : block.targets) targets.emplace_back(layout, ids.find(id, where));
     NumberedBlock found;
     found.tallies.reserve(block.rows.size());
     found.pairs.reserve(block.counts.size());
     for (const EvidenceBlock::Row& row : block.rows) {
-        PatchTally tally{ids.find(row.patch_id, where), std::uint64_t{row.open} + row.back, 0, row.open, row.back, row};
+        const Place i(layout, ids.find(row.patch_id, where));
+        PatchTally tally{i.number, std::uint64_t{row.open} + row.back, 0, row.open, row.back, row};
         for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
-            const PatchNumber i = tally.patch, j = number[block.target_index[k]];
+            const Place& j = targets[block.target_index[k]];
             tally.rays += block.counts[k];
-            if (i == j)
+            if (i.number == j.number) {
                 tally.self += block.counts[k];
-            else
-                found.pairs.push_back({std::min(i, j), std::max(i, j), block.counts[k]});
+                continue;
+            }
+            const auto& [low, high] = i.number < j.number ? std::tie(i, j) : std::tie(j, i);
+            found.pairs.push_back({low.chunk, high.chunk, low.offset, high.offset, block.counts[k]});
         }
         found.tallies.push_back(tally);
     }
@@ -102,25 +117,32 @@ class Pooling {
         std::vector<NumberedBlock> found(batch);
         for (std::size_t begin = 0; begin < file.blocks().size(); begin += batch) {
             const std::size_t count = std::min(batch, file.blocks().size() - begin);
-            parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_); });
+            parallel_for(count, 1, [&](std::size_t k) { found[k] = read_block(file, begin + k, ids_, layout_); });
             for (std::size_t k = 0; k < count; ++k) {
                 for (const PatchTally& tally : found[k].tallies) {
                     ledger_.enter(tally.patch, tally.row, file.name() + ": block " + std::to_string(begin + k));
                     tallies_.add(tally, file.name());
                 }
-                for (const Observation& pair : found[k].pairs) {
-                    const ChunkNumber a = layout_.chunk_of(pair.low), b = layout_.chunk_of(pair.high);
-                    buckets_.add(a, b, pair.low - layout_.first_patch[a], pair.high - layout_.first_patch[b], pair.count);
-                }
+                for (const Observation& pair : found[k].pairs)
+                    buckets_.add(pair.a, pair.b, pair.row, pair.column, pair.count);
             }
             buckets_.settle();
         }
     }
 
+    /// Strips from `first` on that are sorted at the same time: as many as fit the room together, one at least.
+    [[nodiscard]] ChunkNumber group_end(ChunkNumber first) const {
+        std::uint64_t pairs = buckets_.size(first);
+        ChunkNumber end = first + 1;
+        while (end < layout_.chunk_count() && pairs + buckets_.size(end) <= sort_room()) pairs += buckets_.size(end++);
+        return end;
+    }
+
+    /// Threads: reentrant for different strips.
     void write_strip(ChunkNumber a, const std::filesystem::path& path, const Key& key) {
         StripWriter strip(path, key, tallies_.of_chunk(layout_.first_patch[a], layout_.first_patch[a + 1]));
         // Sorting takes as many passes over the bucket as its size demands, each for a range of b.
-        const std::uint64_t room = std::max<std::uint64_t>(memory_ / 4 / sizeof(PackedPair), 1);
+        const std::uint64_t room = sort_room();
         for (ChunkNumber begin = a; begin < layout_.chunk_count();) {
             const ChunkNumber end = buckets_.size(a) <= room ? layout_.chunk_count() : range_end(a, begin, room);
             std::vector<PackedPair> pairs;
@@ -137,6 +159,9 @@ class Pooling {
     }
 
   private:
+    /// Pairs that are sorted at once; sorting needs a second array of the same size.
+    [[nodiscard]] std::uint64_t sort_room() const { return std::max<std::uint64_t>(memory_ / 4 / sizeof(PackedPair), 1); }
+
     /// Largest end so that pairs with begin <= b < end fit the room (one chunk at least).
     ChunkNumber range_end(ChunkNumber a, ChunkNumber begin, std::uint64_t room) const {
         std::vector<std::uint64_t> count(layout_.chunk_count());
@@ -215,9 +240,15 @@ bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
         pooling.deal(file.path, file.key);
         if (progress) progress(++done, steps);
     }
-    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) {
-        pooling.write_strip(a, strip_path(strip_folder, a), strip_key);
-        if (progress) progress(++done, steps);
+    for (ChunkNumber first = 0; first < layout.chunk_count();) {
+        const ChunkNumber end = pooling.group_end(first);
+        parallel_for(end - first, 1, [&](std::size_t k) {
+            const auto a = static_cast<ChunkNumber>(first + k);
+            pooling.write_strip(a, strip_path(strip_folder, a), strip_key);
+        });
+        done += end - first;
+        if (progress) progress(done, steps);
+        first = end;
     }
     return true;
 }
