@@ -67,7 +67,7 @@ void StripStore::load(std::size_t index, CountBlock& out) const {
     const auto file = open_strip(info.a);
     const std::size_t at = first_pair_block + index - first_block_[info.a];
     const std::string where = file->name() + ": block " + std::to_string(at);
-    StripPairs pairs = decode_counts(file->read(at), info.a == info.b, where);
+    StripPairs pairs = unpack_pairs(file->read(at), info.a == info.b, where);
     if (pairs.rows != layout_.size(info.a) || pairs.columns != layout_.size(info.b) ||
         pairs.column.size() != info.pair_count)
         throw Error(ErrorCode::damaged_store, where, "size does not fit the chunks",

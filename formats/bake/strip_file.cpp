@@ -2,10 +2,15 @@
 
 #include <bit>
 
+#include "formats/bake/gap_symbols.h"
+#include "formats/base/compress.h"
+
 namespace luxel {
 namespace {
 
 constexpr std::uint64_t max_side = 65536;
+/// Bits of all places with both levels above them, and five bytes of count for each place.
+constexpr std::uint64_t most_index_bytes = max_side * max_side / 8 * 5 / 4 + 5 * max_side * max_side;
 
 /// One level of the index above `words`: a bit per word that is not zero, and only those words are kept.
 std::vector<std::uint64_t> occupied(std::span<const std::uint64_t> words) {
@@ -39,6 +44,8 @@ std::vector<std::uint64_t> get_occupied(ByteCursor& in, std::span<const std::uin
         }
     return words;
 }
+
+PairCodec gap_codec(bool diagonal) { return diagonal ? PairCodec::gap_symbols_above_diagonal : PairCodec::gap_symbols; }
 
 }  // namespace
 
@@ -100,6 +107,28 @@ StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where) 
     }
     in.expect_end("strip block");
     return block;
+}
+
+BlockFileWriter::Packed pack_pairs(const StripPairs& block, bool diagonal) {
+    const Bytes index = encode_counts(block), frame = compress(index, 3), gaps = encode_gaps(block, diagonal);
+    ByteWriter size;
+    size.put_varint(index.size());
+    const bool smaller = size.size() + frame.size() < gaps.size();
+    ByteWriter out;
+    out.put(static_cast<std::uint8_t>(smaller ? PairCodec::bit_index : gap_codec(diagonal)));
+    if (smaller) out.put_array(std::span<const std::uint8_t>(size.bytes()));
+    out.put_array(std::span<const std::uint8_t>(smaller ? frame : gaps));
+    return BlockFileWriter::pack(out.bytes(), 0);
+}
+
+StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where) {
+    ByteCursor in(bytes, where);
+    const auto codec = in.get<std::uint8_t>("codec");
+    if (codec == static_cast<std::uint8_t>(gap_codec(diagonal))) return decode_gaps(bytes.subspan(1), diagonal, where);
+    if (codec != static_cast<std::uint8_t>(PairCodec::bit_index)) in.fail("codec", "not one of this block: " + std::to_string(codec));
+    const std::uint64_t raw_bytes = in.get_varint("index bytes");
+    if (raw_bytes > most_index_bytes) in.fail("index bytes", "more than a block can have");
+    return decode_counts(decompress(in.get_view(in.remaining(), "index"), raw_bytes, where), diagonal, where);
 }
 
 StripTallies read_tallies(const BlockFileReader& file) {

@@ -8,7 +8,7 @@
 
 namespace luxel {
 
-constexpr std::uint32_t strip_version = 1;
+constexpr std::uint32_t strip_version = 2;
 
 /// Counts of the pairs of a block in compressed rows: row r holds pairs [row_begin[r], row_begin[r + 1]).
 struct StripPairs {
@@ -18,7 +18,21 @@ struct StripPairs {
     std::vector<std::uint32_t> count;      ///< > 0
 };
 
-/// Hierarchical bit index, then counts. Pure. Requires a valid block (ascending columns, counts > 0).
+/// How a pair block is written; its first byte.
+enum class PairCodec : std::uint8_t {
+    bit_index = 1,    ///< hierarchical bit index and counts, in one zstd frame
+    gap_symbols = 2,  ///< gap_symbols.h, of a block (a, b) with a < b
+    gap_symbols_above_diagonal = 3,  ///< the same of a block (a, a): columns begin after the row's own number
+};
+
+/// A pair block as it is stored: by the codec that makes it smaller. Pure. Requires a valid block. `diagonal`: a == b.
+BlockFileWriter::Packed pack_pairs(const StripPairs& block, bool diagonal);
+
+/// The inverse, for the block's decoded bytes. Validates everything. `diagonal`: only columns above the row are legal. Throws
+/// Error{damaged_store} naming `where`.
+StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where);
+
+/// Codec bit_index without its frame: hierarchical bit index, then counts. Pure. Requires a valid block (ascending columns, counts > 0).
 Bytes encode_counts(const StripPairs& block);
 
 /// Validates everything. `diagonal`: only columns above the row are legal. Throws Error{damaged_store} naming `where`.

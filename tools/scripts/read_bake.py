@@ -149,8 +149,8 @@ def set_bits(words):
                 yield place * 64 + bit
 
 
-def pair_block(raw, diagonal):
-    """(rows, columns, [(row, column, count)])"""
+def bit_index(raw, diagonal):
+    """(rows, columns, [(row, column, count)]) of codec 1"""
     cursor = Cursor(raw)
     rows, columns, pairs = cursor.varint(), cursor.varint(), cursor.varint()
     check(1 <= rows <= 65536 and 1 <= columns <= 65536 and 1 <= pairs <= rows * columns, "R, C or P")
@@ -177,8 +177,62 @@ def pair_block(raw, diagonal):
     return rows, columns, [(row, column, count) for (row, column), count in zip(found, counts)]
 
 
+COUNT_CLASS = [0, 1, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4]
+
+
+def stream(cursor):
+    size = cursor.varint()
+    if size == 0:
+        return b""
+    check(size <= 1 << 33, "a stream's size")
+    stored = cursor.take(f"{cursor.varint()}s")[0]
+    return unpack_frame(stored, size)
+
+
+def gap_symbols(raw, diagonal):
+    """The same of codecs 2 and 3"""
+    cursor = Cursor(raw)
+    rows, columns, pairs = cursor.varint(), cursor.varint(), cursor.varint()
+    check(1 <= rows <= 65536 and 1 <= columns <= 65536 and 1 <= pairs <= rows * columns, "R, C or P")
+    symbols = [stream(cursor) for _ in range(5)]
+    large = Cursor(stream(cursor))
+    cursor.end()
+    check(sum(len(s) for s in symbols) <= rows + pairs, "more symbols than rows and pairs")
+    next_symbol, found = [0] * 5, []
+    row, column, before = 0, int(diagonal), 0
+    while row < rows:
+        check(next_symbol[before] < len(symbols[before]), "a stream ends too early")
+        symbol = symbols[before][next_symbol[before]]
+        next_symbol[before] += 1
+        gap, count = symbol & 15, symbol >> 4
+        if count == 0:
+            row, before = row + 1 + gap, 0
+            column = row + 1 if diagonal else 0
+            continue
+        before = COUNT_CLASS[count]
+        column += gap + (large.varint() if gap == 15 else 0)
+        count += large.varint() if count == 15 else 0
+        check(column < columns and count < 1 << 32, "a pair beyond the block, or a count above 2^32")
+        found.append((row, column, count))
+        column += 1
+    check(row == rows and len(found) == pairs, "rows or pairs are not as many as stated")
+    check(next_symbol == [len(s) for s in symbols], "symbols left over")
+    large.end()
+    return rows, columns, found
+
+
+def pair_block(raw):
+    check(raw, "an empty pair block")
+    if raw[0] in (2, 3):
+        return gap_symbols(raw[1:], raw[0] == 3)
+    check(raw[0] == 1, f"codec {raw[0]}")
+    cursor = Cursor(raw[1:])
+    size = cursor.varint()
+    return bit_index(unpack_frame(raw[1 + cursor.at:], size), False)
+
+
 def print_strip(file, out):
-    check(file.version == 1, f"strip version {file.version}")
+    check(file.version == 2, f"strip version {file.version}")
     check(len(file.blocks) >= 5 and [tag for tag, _ in file.blocks[:5]] == [0, 1, 2, 3, 4], "the first blocks")
     columns = []
     for _, raw in file.blocks[:4]:
@@ -194,8 +248,8 @@ def print_strip(file, out):
     for tag, raw in file.blocks[5:]:
         b, pairs = cursor.take("IQ")
         check(b > before and tag == 5 + b, "the directory is out of order")
-        # The file does not name its chunk; a block (a, a) can only be the first, and is square.
-        rows, width, found = pair_block(raw, False)
+        # The file does not name its chunk, so whether a bit lies on the wrong side of the diagonal is not checked.
+        rows, width, found = pair_block(raw)
         check(rows == len(columns[0]) and len(found) == pairs, "the directory does not fit the block")
         out.append(f"block {b} rows {rows} columns {width} pairs {pairs}")
         out += [f"{row} {column} {count}" for row, column, count in found]

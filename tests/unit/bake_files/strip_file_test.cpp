@@ -146,8 +146,8 @@ TEST(StripFile, WholeFileRoundTrip) {
     const StripPairs first = test::random_pairs(10, 10, 30, true, random);
     const StripPairs second = test::random_pairs(10, 70, 300, false, random);
     StripWriter writer(folder / "strip", key, tallies_of(10));
-    writer.append(3, first.column.size(), BlockFileWriter::pack(encode_counts(first), 3));
-    writer.append(8, second.column.size(), BlockFileWriter::pack(encode_counts(second), 3));
+    writer.append(3, first.column.size(), pack_pairs(first, true));
+    writer.append(8, second.column.size(), pack_pairs(second, false));
     EXPECT_FALSE(std::filesystem::exists(folder / "strip")) << "nothing before it is published";
     writer.publish();
 
@@ -162,8 +162,8 @@ TEST(StripFile, WholeFileRoundTrip) {
     EXPECT_EQ(directory[0].b, 3u);
     EXPECT_EQ(directory[0].pair_count, first.column.size());
     EXPECT_EQ(directory[1].b, 8u);
-    expect_equal(decode_counts(file.read(first_pair_block), true, "first"), first);
-    expect_equal(decode_counts(file.read(first_pair_block + 1), false, "second"), second);
+    expect_equal(unpack_pairs(file.read(first_pair_block), true, "first"), first);
+    expect_equal(unpack_pairs(file.read(first_pair_block + 1), false, "second"), second);
 }
 
 TEST(StripFile, RefusesFilesThatDoNotAddUp) {
