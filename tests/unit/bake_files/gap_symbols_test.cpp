@@ -9,19 +9,12 @@
 namespace luxel {
 namespace {
 
+using test::expect_equal;
 using test::refused;
 
 void decode(ByteView bytes) { decode_gaps(bytes, false, "test"); }
 void decode_diagonal(ByteView bytes) { decode_gaps(bytes, true, "test"); }
 void unpack(ByteView bytes) { unpack_pairs(bytes, false, "test"); }
-
-void expect_equal(const StripPairs& a, const StripPairs& b) {
-    EXPECT_EQ(a.rows, b.rows);
-    EXPECT_EQ(a.columns, b.columns);
-    EXPECT_EQ(a.row_begin, b.row_begin);
-    EXPECT_EQ(a.column, b.column);
-    EXPECT_EQ(a.count, b.count);
-}
 
 /// A frame of zstd that holds one byte as it is.
 Bytes one_byte_stream(std::uint8_t byte) { return {1, 10, 0x28, 0xb5, 0x2f, 0xfd, 0x20, 1, 9, 0, 0, byte}; }

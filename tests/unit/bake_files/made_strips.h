@@ -1,5 +1,7 @@
-/// Random legal pair blocks of strips.
+/// Random legal pair blocks of strips, and their comparison.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <random>
 #include <set>
@@ -7,6 +9,14 @@
 #include "formats/bake/strip_file.h"
 
 namespace luxel::test {
+
+inline void expect_equal(const StripPairs& a, const StripPairs& b) {
+    EXPECT_EQ(a.rows, b.rows);
+    EXPECT_EQ(a.columns, b.columns);
+    EXPECT_EQ(a.row_begin, b.row_begin);
+    EXPECT_EQ(a.column, b.column);
+    EXPECT_EQ(a.count, b.count);
+}
 
 /// `pairs` draws in a block of the given size (doubles are one pair); on a diagonal block only columns above the row.
 inline StripPairs random_pairs(std::uint32_t rows, std::uint32_t columns, std::size_t pairs, bool diagonal,

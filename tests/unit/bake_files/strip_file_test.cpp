@@ -10,20 +10,13 @@
 namespace luxel {
 namespace {
 
+using test::expect_equal;
 using test::refused;
 
 void decode(ByteView bytes) { decode_counts(bytes, false, "test"); }
 void decode_diagonal(ByteView bytes) { decode_counts(bytes, true, "test"); }
 
 const Bytes example{2, 2, 1, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 3};
-
-void expect_equal(const StripPairs& a, const StripPairs& b) {
-    EXPECT_EQ(a.rows, b.rows);
-    EXPECT_EQ(a.columns, b.columns);
-    EXPECT_EQ(a.row_begin, b.row_begin);
-    EXPECT_EQ(a.column, b.column);
-    EXPECT_EQ(a.count, b.count);
-}
 
 TEST(StripFile, ExampleOfTheDocument) {
     const StripPairs block{2, 2, {0, 1, 1}, {1}, {3}};
