@@ -7,6 +7,7 @@
 #include "baker/patches/texel_raster.h"
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
+#include "baker/trace/texel_joints.h"
 #include "baker/trace/visible_area.h"
 #include "baker/unwrap/atlas_file.h"
 #include "formats/gltf/gltf_in.h"
@@ -79,7 +80,7 @@ bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const St
     return reused;
 }
 
-/// What of the surface is not visible: patches keep their ids when something else covers a part of them.
+/// What of the surface is not visible or parted: patches keep their ids when something else covers a part of them.
 void add_visible(const TexelSet& texels, KeyBuilder& key) {
     for (std::size_t page = 0; page < texels.pages.size(); ++page) {
         const std::vector<Fragment>& fragments = texels.pages[page].fragments;
@@ -89,6 +90,12 @@ void add_visible(const TexelSet& texels, KeyBuilder& key) {
                     .integer(static_cast<std::int64_t>(f))
                     .integer(fragments[f].visible)
                     .integer(fragments[f].visible_parts);
+        const std::vector<Texel>& list = texels.pages[page].texels;
+        for (std::size_t t = 0; t < list.size(); ++t)
+            if (!list[t].joined_right || !list[t].joined_down)
+                key.integer(static_cast<std::int64_t>(page))
+                    .integer(static_cast<std::int64_t>(t))
+                    .integer(2 * list[t].joined_right + list[t].joined_down);
     }
 }
 
@@ -105,7 +112,7 @@ void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& re
     g.layout = std::move(tiling.layout);
     report.patches = g.patches.count();
     report.chunks = g.layout.chunk_count();
-    KeyBuilder key("chunks 3");
+    KeyBuilder key("chunks 4");
     key.key(atlas_key(g.scene, options.unwrap)).integer(options.patch_texels);
     for (const Patch& patch : g.patches.patches) key.integer(static_cast<std::int64_t>(patch.id));
     add_visible(g.texels, key);
@@ -143,6 +150,7 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
     clock.stage("visible", [&] {
         g->tracer = std::make_unique<Tracer>(g->scene);
         find_visible_area(g->scene, g->atlas, *g->tracer, reach_behind_walls_m(options, g->atlas), g->texels);
+        find_texel_joints(g->scene, g->atlas, *g->tracer, g->texels);
         return false;
     });
     clock.stage("patches", [&] {

@@ -17,7 +17,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
                         StageClock& clock, BakeReport& report) {
     BakedLight light;
-    light.key = KeyBuilder("light 2")
+    light.key = KeyBuilder("light 3")
                     .key(solution.key)
                     .integer(options.gather_rays)
                     .integer(options.lamp_points)
@@ -30,6 +30,8 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
     clock.stage("light", [&] {
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
+        // What is nearer than a patch is wide sees it as more than one brightness.
+        const float near_m = static_cast<float>(options.patch_texels) / g.atlas.texels_per_metre;
         const EmitterSet emitters(g.scene, g.atlas, g.patches);
         std::vector<Rgb> irradiance;  // per patch, only for drafts
         bool reused = true;
@@ -40,7 +42,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
             if (options.gather_rays) {
                 const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, emitters, radiosity};
                 save_lightmap(path, light.key,
-                              gather_page(input, page, {options.gather_rays, true, options.lamp_points, options.seed}, &progress));
+                              gather_page(input, page, {options.gather_rays, true, options.lamp_points, near_m, options.seed}, &progress));
             } else {
                 if (irradiance.empty()) {
                     ClosedStrips strips(*matrix.strips, matrix.area_m2, matrix.closure);

@@ -98,6 +98,23 @@ float EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<
     return std::min(seen, 1.0f);
 }
 
+void EmitterSet::weigh_around(const Vec3f& position, float around_m, std::vector<float>& probability) const {
+    probability.resize(clusters_.size());
+    float total = 0;
+    for (std::size_t k = 0; k < clusters_.size(); ++k) {
+        const Cluster& cluster = clusters_[k];
+        const Vec3f to = cluster.center - position;
+        const float distance = to.length(), far = std::max({distance, cluster.radius_m, around_m});
+        const float sends = distance > 0 ? -to.dot(cluster.normal) / distance : 1.0f;
+        const float bound_sends = std::clamp(sends + (cluster.radius_m + around_m) / far + cluster.normal_spread, 0.0f, 1.0f);
+        total += probability[k] = cluster.power * bound_sends / (far * far);
+    }
+    if (total > 0)
+        for (float& p : probability) p /= total;
+    else
+        probability.clear();
+}
+
 EmitterSet::Aim EmitterSet::aim(std::span<const float> probability, float choice, float u, float v) const {
     float before = 0;
     std::size_t k = 0, last = 0;

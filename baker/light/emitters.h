@@ -24,6 +24,9 @@ class EmitterSet {
     /// Returns about which share of the receiver's cosine rays would find an emitter if nothing stood between, 0..1.
     float weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const;
 
+    /// The same for receivers within `around_m` of `position` that may face any way.
+    void weigh_around(const Vec3f& position, float around_m, std::vector<float>& probability) const;
+
     struct Aim {
         PatchNumber patch = no_patch;
         SurfacePoint point;

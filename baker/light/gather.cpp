@@ -9,6 +9,7 @@
 #include "baker/core/units.h"
 #include "baker/formfactors/surface_map.h"
 #include "baker/light/lamps.h"
+#include "baker/light/near_light.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/ray_offset.h"
 
@@ -34,6 +35,7 @@ struct TexelRays {
     std::array<TraceRay, batch_rays> rays;
     std::array<TraceHit, batch_rays> hits;
     std::array<float, batch_rays> cosine;            ///< against the shading normal
+    std::array<std::uint32_t, batch_rays> number;    ///< of the texel's rays
     std::array<EmitterSet::Aim, batch_rays> target;  ///< of aimed rays
     std::size_t count = 0;
 };
@@ -82,12 +84,15 @@ class TexelGather {
 
     [[nodiscard]] Rgb indirect(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
         const Plan shares = plan(sampler);
+        NearLight near(in_, options_.near_m, sampler.point(0.5f, 0.5f).position, own_seed);
+        std::vector<NearVertex> vertices;
         const SobolSequence aims(mix(own_seed, 0x61696d));
         Sum sum;
         TexelRays batch;
         for (std::uint32_t begin = 0; begin < shares.cosine_rays; begin += batch_rays) {
             cast_cosine(sampler, sequence, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
-            for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, sum);
+            for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, near, vertices, sum);
+            if (!vertices.empty()) near.add(vertices, sum.v);
         }
         for (std::uint32_t begin = 0; begin < shares.aimed_rays; begin += batch_rays) {
             cast_aimed(sampler, sequence, aims, shares, begin,
@@ -97,7 +102,8 @@ class TexelGather {
         return sum.rgb();
     }
 
-    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine) const {
+    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, std::uint32_t number) const {
+        batch.number[batch.count] = number;
         batch.rays[batch.count] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
                                    at.triangle};
         batch.cosine[batch.count++] = cosine;
@@ -117,7 +123,7 @@ class TexelGather {
             const Vec3f local = cosine_direction(u[2][k], u[3][k]);
             const Vec3f direction = Frame(sampler.shading_normal(at)).to_world(local);
             // Below the true surface there is only the inside of the object.
-            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z);
+            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z, begin + k);
         }
         trace(batch);
     }
@@ -138,16 +144,21 @@ class TexelGather {
             const float cosine = direction.dot(sampler.shading_normal(at));
             if (cosine <= 0 || direction.dot(at.normal) <= 0 || direction.dot(target.point.normal) >= 0) continue;
             batch.target[batch.count] = target;
-            push(batch, at, direction, cosine);
+            push(batch, at, direction, cosine, shares.cosine_rays + k);
         }
         trace(batch);
     }
 
-    void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, Sum& sum) const {
+    void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, const NearLight& near,
+                    std::vector<NearVertex>& vertices, Sum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
-        sum.add(in_.radiosity[at.patch] - emission, 1.0f / static_cast<float>(shares.cosine_rays));
+        const float share = 1.0f / static_cast<float>(shares.cosine_rays);
+        if (near.is_near(batch.hits[k].distance_m))
+            vertices.push_back(near.vertex(batch.rays[k], batch.hits[k], at.patch, batch.number[k], Rgb(share, share, share)));
+        else
+            sum.add(in_.radiosity[at.patch] - emission, share);
         if (emission != Rgb(0, 0, 0)) sum.add(emission, weight(batch, k, at.patch, shares));
     }
 

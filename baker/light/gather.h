@@ -20,6 +20,7 @@ struct GatherOptions {
     std::uint32_t rays = 256;        ///< per texel, a power of two, at least 2; cosine and aimed ones together
     bool aim_at_emitters = true;     ///< false: cosine rays only
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
+    float near_m = 0;                ///< hits closer than this are followed on (near_light.h), m; 0: patches always serve
     std::uint64_t seed = 0;
 };
 

@@ -61,6 +61,11 @@ bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
     return !tracer_.occluded(ray, distance);
 }
 
+Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at) const {
+    const Rgb light = unshadowed_irradiance(scene_.lamps[lamp], at.position, at.shading_normal);
+    return light != Rgb(0, 0, 0) && visible(scene_.lamps[lamp], at) ? light : Rgb(0, 0, 0);
+}
+
 Rgb LampLight::irradiance(const LightPoint& at, float random) const {
     std::vector<Contribution> candidates;
     float total = 0;

@@ -30,6 +30,8 @@ class LampLight {
     /// Irradiance of all lamps, lux. The strongest lamps get a shadow ray each; of the many weak ones a few are chosen in
     /// proportion to what they would give, so that the mean over `random` in [0, 1) is exact.
     [[nodiscard]] Rgb irradiance(const LightPoint& at, float random) const;
+    /// Of one lamp, with its shadow, lux. `lamp`: index into Scene::lamps.
+    [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at) const;
 
   private:
     [[nodiscard]] bool visible(const Lamp& lamp, const LightPoint& at) const;

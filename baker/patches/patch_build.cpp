@@ -38,7 +38,8 @@ class ChartPatches {
         return texel_at_[std::size_t{chart_.y + y} * page_size_ + chart_.x + x];
     }
 
-    /// 4-connected sets of covered texels, in raster order of their first texels.
+    /// 4-connected sets of covered texels that nothing parts, in raster order of their first texels. The flag of a joint is with the
+    /// texel on its left or above, which has the lower number.
     void split_cell(std::uint32_t cell_x, std::uint32_t cell_y, std::vector<Found>& found) {
         const std::uint32_t x0 = cell_x * k_, y0 = cell_y * k_;
         const std::uint32_t w = std::min(k_, chart_.width - x0), h = std::min(k_, chart_.height - y0);
@@ -53,15 +54,16 @@ class ChartPatches {
                 const std::uint32_t at = stack_.back(), x = at % w, y = at / w;
                 stack_.pop_back();
                 members_.push_back(at);
-                const auto visit = [&](std::uint32_t next) {
-                    if (seen_[next] || texel(x0 + next % w, y0 + next / w) == none) return;
+                const auto visit = [&](std::uint32_t next, bool Texel::*joined) {
+                    const std::uint32_t here = texel(x0 + x, y0 + y), there = texel(x0 + next % w, y0 + next / w);
+                    if (seen_[next] || there == none || !(page_.texels[std::min(here, there)].*joined)) return;
                     seen_[next] = 1;
                     stack_.push_back(next);
                 };
-                if (x) visit(at - 1);
-                if (x + 1 < w) visit(at + 1);
-                if (y) visit(at - w);
-                if (y + 1 < h) visit(at + w);
+                if (x) visit(at - 1, &Texel::joined_right);
+                if (x + 1 < w) visit(at + 1, &Texel::joined_right);
+                if (y) visit(at - w, &Texel::joined_down);
+                if (y + 1 < h) visit(at + w, &Texel::joined_down);
             }
             std::sort(members_.begin(), members_.end());
             Found& patch = found.emplace_back(Found{cell_x, cell_y, set++, {}});

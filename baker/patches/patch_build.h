@@ -1,4 +1,4 @@
-/// Texels -> patches: cells of k x k texels of each chart's own grid, split into sets that hang together.
+/// Texels -> patches: cells of k x k texels of each chart's own grid, split into sets that hang together (texels.h: joined).
 ///
 /// Only what is visible of a texel counts; a set that lies inside solids altogether is no patch, and one of which nothing but
 /// slivers is seen, so that no ray can start there, joins the nearest patch of its chart. Power is exact: for every patch the sum over its texels of visible area times emission is area_m2 times emission (double

@@ -31,6 +31,8 @@ struct Texel {
     float visible_m2 = 0;  ///< sum over them; 0: inside a solid
     Rgb reflectance;       ///< mean over the visible area (the whole where none is), 0..1
     Rgb emission;          ///< the same of the exitance M, lm/m2
+    /// Nothing parts it from the next texel of its chart along x, along y: set by trace/texel_joints.h. True where there is none.
+    bool joined_right = true, joined_down = true;
 };
 
 /// One page: texels in raster order (y, then x), fragments in texel order.

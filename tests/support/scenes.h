@@ -15,6 +15,7 @@
 #include "baker/patches/texel_raster.h"
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
+#include "baker/trace/texel_joints.h"
 #include "baker/trace/tracer.h"
 #include "baker/trace/visible_area.h"
 #include "baker/unwrap/unwrap.h"
@@ -203,6 +204,7 @@ inline std::unique_ptr<Prepared> prepare(Scene scene, const PrepareOptions& opti
     made->tracer = std::make_unique<Tracer>(made->scene);
     find_visible_area(made->scene, made->atlas, *made->tracer,
                       2 * static_cast<float>(options.patch_texels) / made->atlas.texels_per_metre, made->texels);
+    find_texel_joints(made->scene, made->atlas, *made->tracer, made->texels);
     made->patches = build_patches(made->scene, made->atlas, made->texels, {options.patch_texels});
     const auto open = find_open_backs(made->scene, made->atlas, made->patches, *made->tracer);
     made->patches = add_back_sides(std::move(made->patches), open);

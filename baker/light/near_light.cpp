@@ -1,0 +1,142 @@
+#include "baker/light/near_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "baker/core/sampling.h"
+#include "baker/core/units.h"
+#include "baker/light/lamps.h"
+#include "baker/patches/patch_sampler.h"
+#include "baker/trace/ray_offset.h"
+
+namespace luxel {
+namespace {
+
+/// Bounces that a path may take without getting away from what is near. At reflectance 0.5 less than a hundredth of the light
+/// takes more; what is left then is what the patches say.
+constexpr std::uint32_t most_bounces = 8;
+constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d;
+
+void add_light(LightSum& sum, const Rgb& light, const Rgb& throughput) {
+    for (int c = 0; c < 3; ++c)
+        sum[static_cast<std::size_t>(c)] += static_cast<double>(light[c]) * static_cast<double>(throughput[c]);
+}
+
+TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction) {
+    return {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), direction, at.triangle};
+}
+
+}  // namespace
+
+struct NearLight::Rays {
+    std::array<TraceRay, batch> rays;
+    std::array<TraceHit, batch> hits;
+    std::array<std::uint32_t, batch> vertex;  ///< which one it left from
+    std::array<PatchNumber, batch> target;    ///< of aimed rays
+    std::array<float, batch> cosine;
+    std::size_t count = 0;
+    void push(const TraceRay& ray, std::size_t from, float cosine_there, PatchNumber aimed_at = no_patch) {
+        rays[count] = ray, vertex[count] = static_cast<std::uint32_t>(from), cosine[count] = cosine_there;
+        target[count++] = aimed_at;
+    }
+    void trace(const Tracer& tracer) { tracer.first_hits({rays.data(), count}, {hits.data(), count}); }
+};
+
+NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
+                             const Rgb& weight) const {
+    const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
+    return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}), normal.dot(ray.direction) < 0 ? normal : -normal, hit.triangle,
+            number, weight * in_.patches.patches[patch].reflectance};
+}
+
+void NearLight::make_tables() {
+    if (has_tables_) return;
+    has_tables_ = true;
+    // Half of all paths stay within two steps; farther ones only choose less well.
+    const float around_m = 2 * reach_m_;
+    if (!in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitter_probability_);
+    lamps_.emplace(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_);
+}
+
+void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
+    make_tables();
+    std::vector<std::array<float, 4>> random;
+    for (std::uint32_t depth = 0; !vertices.empty(); ++depth) {
+        const SobolSequence sequence(mix(seed_, path_purpose + depth));
+        random.clear();
+        for (const NearVertex& at : vertices) random.push_back(sequence.point(at.ray));
+        if (!lamps_->empty()) add_lamps(vertices, random, sum);
+        if (!emitter_probability_.empty()) add_aimed(vertices, depth, sum);
+        follow(vertices, random, depth, sum);
+    }
+}
+
+void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
+                          LightSum& sum) const {
+    const LampLight light(in_.scene, in_.tracer);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const NearVertex& at = vertices[k];
+        const LampTable::Choice choice = lamps_->choose(random[k][2]);
+        add_light(sum, light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}) / choice.probability, at.throughput);
+    }
+}
+
+float NearLight::emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, float cosine) const {
+    const float by_cosine = cosine * static_cast<float>(1 / pi);
+    if (emitter_probability_.empty()) return 1;
+    const float sends = std::fabs(in_.scene.geometric_normal(hit.triangle).dot(ray.direction));
+    const float aimed = in_.emitters.density(emitter_probability_, patch) * hit.distance_m * hit.distance_m / std::max(sends, 1e-6f);
+    return by_cosine / std::max(by_cosine + aimed, 1e-30f);
+}
+
+void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) const {
+    const SobolSequence aims(mix(seed_, aim_purpose + depth));
+    Rays aimed;
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const NearVertex& at = vertices[k];
+        const auto u = aims.point(at.ray);
+        const EmitterSet::Aim target = in_.emitters.aim(emitter_probability_, u[0], u[1], u[2]);
+        const Vec3f to = target.point.position - at.position;
+        const float distance = to.length();
+        if (!(distance > 0)) continue;
+        const Vec3f direction = to / distance;
+        const float cosine = direction.dot(at.normal);
+        if (cosine > 0 && direction.dot(target.point.normal) < 0) aimed.push(leave(in_.scene, at, direction), k, cosine, target.patch);
+    }
+    aimed.trace(in_.tracer);
+    for (std::size_t k = 0; k < aimed.count; ++k) {
+        const Landing at = landing(in_.scene, in_.atlas, in_.patches, aimed.hits[k]);
+        if (at.end != RayEnd::patch || at.patch != aimed.target[k]) continue;
+        add_light(sum, in_.patches.patches[at.patch].emission * emitter_weight(aimed.rays[k], aimed.hits[k], at.patch, aimed.cosine[k]),
+                  vertices[aimed.vertex[k]].throughput);
+    }
+}
+
+void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random, std::uint32_t depth,
+                       LightSum& sum) const {
+    Rays rays;
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const Vec3f local = cosine_direction(random[k][0], random[k][1]);
+        rays.push(leave(in_.scene, vertices[k], Frame(vertices[k].normal).to_world(local)), k, local.z);
+    }
+    rays.trace(in_.tracer);
+    std::vector<NearVertex> further;
+    for (std::size_t k = 0; k < rays.count; ++k) {
+        const NearVertex& from = vertices[rays.vertex[k]];
+        const Landing at = landing(in_.scene, in_.atlas, in_.patches, rays.hits[k]);
+        if (at.end != RayEnd::patch) continue;
+        const Patch& patch = in_.patches.patches[at.patch];
+        if (patch.emission != Rgb(0, 0, 0))
+            add_light(sum, patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]), from.throughput);
+        if (!is_near(rays.hits[k].distance_m) || depth + 1 >= most_bounces) {
+            add_light(sum, in_.radiosity[at.patch] - patch.emission, from.throughput);
+            continue;
+        }
+        const float stays = std::max({patch.reflectance.x, patch.reflectance.y, patch.reflectance.z});
+        if (random[rays.vertex[k]][3] < stays)
+            further.push_back(vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, from.throughput / stays));
+    }
+    vertices = std::move(further);
+}
+
+}  // namespace luxel

@@ -1,0 +1,66 @@
+/// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean is
+/// wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that was hit to
+/// lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide and the solution
+/// is good enough again. Unbiased up to what the far patches say; Russian roulette ends paths in narrow gaps.
+/// Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT 4(3)
+/// 1999, section 4); multiple importance sampling as in gather.h.
+#pragma once
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "baker/core/sobol.h"
+#include "baker/formfactors/surface_map.h"
+#include "baker/light/gather.h"
+#include "baker/light/lamp_table.h"
+
+namespace luxel {
+
+/// A point that a ray of a texel has met.
+struct NearVertex {
+    Vec3f position;           ///< on the surface
+    Vec3f normal;             ///< unit geometric normal of the side that was met
+    std::uint32_t triangle = none;
+    std::uint32_t ray = 0;    ///< number of the texel's ray: names its random numbers
+    Rgb throughput;           ///< what the texel receives per lux here
+};
+
+/// Sum of three channels in double.
+using LightSum = std::array<double, 3>;
+
+/// For the rays of one texel. Makes its tables on first use: most texels have nothing close to them.
+class NearLight {
+  public:
+    static constexpr std::size_t batch = SobolSequence::batch;
+
+    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `seed`: the texel's own.
+    NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, std::uint64_t seed)
+        : in_(input), reach_m_(reach_m), position_(texel_position), seed_(seed) {}
+
+    [[nodiscard]] bool is_near(float distance_m) const { return distance_m < reach_m_; }
+    /// The vertex where `ray` met patch `patch`; `weight`: what the texel receives per unit of radiosity there.
+    [[nodiscard]] NearVertex vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
+                                    const Rgb& weight) const;
+    /// Adds the light of at most `batch` vertices to `sum`; uses them up. Their own emission is not counted.
+    void add(std::vector<NearVertex>& vertices, LightSum& sum);
+
+  private:
+    struct Rays;
+    void make_tables();
+    void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random, LightSum& sum) const;
+    void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) const;
+    void follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random, std::uint32_t depth,
+                LightSum& sum) const;
+    [[nodiscard]] float emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, float cosine) const;
+
+    const GatherInput& in_;
+    float reach_m_;
+    Vec3f position_;
+    std::uint64_t seed_;
+    bool has_tables_ = false;
+    std::vector<float> emitter_probability_;  ///< per cluster; empty without emitters
+    std::optional<LampTable> lamps_;
+};
+
+}  // namespace luxel
