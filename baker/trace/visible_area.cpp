@@ -172,6 +172,8 @@ class FragmentProbe {
         bool open = false;
         float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
         for (std::size_t k = 0; k < (open ? probe_rays : enclosed_rays); ++k) {
+            // Under the open sky with no back near: nothing encloses the point, whatever the other rays meet.
+            if (k == enclosed_rays && !(nearest <= near_m_)) return false;
             const TraceHit hit = tracer_.first_hit({origin, frame.to_world(directions_[k]), triangle});
             if (hit.triangle == none) {
                 open = true;
@@ -180,7 +182,6 @@ class FragmentProbe {
             if (hit.front || scene_.material_of(hit.triangle).double_sided) return false;
             nearest = std::min(nearest, hit.distance_m), farthest = std::max(farthest, hit.distance_m);
         }
-        if (open && !(nearest <= near_m_)) return false;
         return !sees_lamp(origin, triangle, normal, open ? std::numeric_limits<float>::infinity() : 2 * farthest);
     }
 
