@@ -25,10 +25,20 @@ void scale_to_total(std::vector<double>& rays, double total_rays, double floor_r
     for (double& r : rays) r = std::max(floor_rays, r * high);
 }
 
+/// Of the patches that share one density.
+struct Shared {
+    double left = 0, rays = 0, area_m2 = 0;
+    void add(double left_of_one, double rays_of_one, double area_of_one) {
+        left += left_of_one, rays += rays_of_one, area_m2 += area_of_one;
+    }
+    /// The next, up to the common factor.
+    [[nodiscard]] double density() const { return rays / area_m2 * std::sqrt(left / area_m2); }
+};
+
 }  // namespace
 
 std::vector<double> best_rays(BlockSource& source, const LightState& light, double total_rays, double floor_rays,
-                              std::uint32_t passes) {
+                              std::span<const std::uint32_t> neighbourhood, std::uint32_t passes) {
     check(light);
     const std::size_t count = light.ids.size();
     std::vector<double> rays(count, count > 0 ? total_rays / static_cast<double>(count) : 0.0), density(count);
@@ -41,10 +51,12 @@ std::vector<double> best_rays(BlockSource& source, const LightState& light, doub
             to_i[0] += gain;
             to_j[0] += gain;
         });
+        std::vector<Shared> shared(count);
         for (std::size_t i = 0; i < count; ++i) {
             const double open_gain = light.open_m2[i] * sensitivity.of_open(static_cast<PatchNumber>(i)) / (density[i] * density[i]);
-            rays[i] *= std::sqrt((sums[i][0] + std::max(0.0, open_gain)) / light.area_m2[i]);
+            shared[neighbourhood[i]].add(sums[i][0] + std::max(0.0, open_gain), rays[i], light.area_m2[i]);
         }
+        for (std::size_t i = 0; i < count; ++i) rays[i] = light.area_m2[i] * shared[neighbourhood[i]].density();
         // Brightness has no scale of its own: keep the numbers in range before floors are compared with them.
         double sum = 0;
         for (const double r : rays) sum += r;

@@ -7,6 +7,7 @@
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/bake/stage_files.h"
 #include "baker/formfactors/hemicube_weights.h"
+#include "baker/patches/neighbourhoods.h"
 #include "baker/store/block_cache.h"
 #include "formats/bake/patches_file.h"
 
@@ -18,6 +19,8 @@ constexpr std::uint64_t first_rays = 64;
 constexpr double most_growth = 4;
 /// Beyond so many rays per patch on average a wanted error is given up.
 constexpr std::uint64_t most_rays = 65536;
+/// Patches along a side of a neighbourhood that shares one density of rays.
+constexpr std::uint32_t neighbourhood_patches = 4;
 /// Solving to choose rays need not be exact.
 constexpr double loose_tolerance = 0.02;
 
@@ -138,7 +141,8 @@ class Rounds {
             if (options_.importance) {
                 ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
                 BlockCache cache(strips, plan_.cache_bytes);
-                wanted = best_rays(cache, light(), total, static_cast<double>(first_rays));
+                wanted = best_rays(cache, light(), total, static_cast<double>(first_rays),
+                                   neighbourhoods(g_.atlas, g_.patches, neighbourhood_patches * options_.patch_texels));
             }
             next = plan_by_want(wanted, evidence_.reached(), evidence_.replicates(), static_cast<std::uint64_t>(total));
             return false;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/core/sobol.h"
 #include "tests/unit/solver/matrices.h"
@@ -113,7 +115,9 @@ TEST(RayAllocation, NoOtherChoiceHasLessError) {
     for (const bool closed : {true, false}) {
         const Light light(0.8f, closed);
         const double total = 256.0 * static_cast<double>(light.matrix.count());
-        const std::vector<double> best = best_rays(light.source, light.state(), total, 1, 400);
+        std::vector<std::uint32_t> alone(light.matrix.count());
+        std::iota(alone.begin(), alone.end(), 0u);
+        const std::vector<double> best = best_rays(light.source, light.state(), total, 1, alone, 400);
         double sum = 0;
         for (const double rays : best) sum += rays;
         EXPECT_NEAR(sum, total, 1e-6 * total);
@@ -129,6 +133,29 @@ TEST(RayAllocation, NoOtherChoiceHasLessError) {
                 EXPECT_GE(expected_error(light, other), least * (1 - 1e-4)) << from << " to " << to;
             }
     }
+}
+
+/// Neighbours have one density, and among such choices none has less error.
+TEST(RayAllocation, NeighboursShareADensity) {
+    const Light light(0.8f, false);
+    const std::size_t count = light.matrix.count();
+    const double total = 256.0 * static_cast<double>(count);
+    std::vector<std::uint32_t> pairs(count);
+    for (std::size_t i = 0; i < count; ++i) pairs[i] = static_cast<std::uint32_t>(i / 2);
+    const std::vector<double> best = best_rays(light.source, light.state(), total, 1, pairs, 400);
+    const double least = expected_error(light, best);
+    const auto area = [&](std::size_t i) { return light.matrix.area_m2[i]; };
+    for (std::size_t i = 0; i + 1 < count; i += 2) EXPECT_NEAR(best[i] / area(i), best[i + 1] / area(i + 1), 1e-9 * best[i] / area(i));
+    for (std::size_t from = 0; from + 1 < count; from += 2)
+        for (std::size_t to = 0; to + 1 < count; to += 2) {
+            std::vector<double> other = best;
+            const double both = best[from] + best[from + 1], moved = 0.1 * both;
+            for (const std::size_t k : {0u, 1u}) {
+                other[from + k] -= moved * best[from + k] / both;
+                other[to + k] += moved * area(to + k) / (area(to) + area(to + 1));
+            }
+            EXPECT_GE(expected_error(light, other), least * (1 - 1e-4)) << from << " to " << to;
+        }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "baker/patches/neighbourhoods.h"
 #include "formats/base/error.h"
 #include "tests/unit/patches/made_patches.h"
 
@@ -42,6 +43,32 @@ TEST(PatchSet, RenumberMovesEverything) {
         }
     new_number[0] = new_number[1];
     EXPECT_THROW(renumber(after, new_number), Error);
+}
+
+TEST(PatchSet, NeighbourhoodsAreSquaresOfOneSide) {
+    const MadePatches made = make_patches(test::coloured_scene());
+    std::vector<bool> open(made.set.count(), true);
+    const PatchSet set = add_back_sides(made.set, open);
+    constexpr std::uint32_t texels = 8;
+    const auto of_patch = neighbourhoods(made.atlas, set, texels);
+    ASSERT_EQ(of_patch.size(), set.count());
+    std::vector<std::size_t> members(set.count());
+    for (const std::uint32_t number : of_patch) ++members.at(number);
+    EXPECT_TRUE(std::is_sorted(members.begin(), members.end(), [](std::size_t a, std::size_t b) { return a > 0 && b == 0; }));  // no gaps
+    EXPECT_GT(*std::max_element(members.begin(), members.end()), 1u);
+    for (PatchNumber p = 0; p < set.count(); ++p)
+        for (PatchNumber q = 0; q < p; ++q) {
+            const Patch &a = set.patches[p], &b = set.patches[q];
+            const Fragment &f = set.fragments_of(p).front(), &g = set.fragments_of(q).front();
+            const bool shines_alike = (a.emission != Rgb(0, 0, 0)) == (b.emission != Rgb(0, 0, 0));
+            if (of_patch[p] == of_patch[q]) {
+                EXPECT_TRUE(a.chart == b.chart && a.is_back == b.is_back && shines_alike);
+                EXPECT_LT(std::abs(int{f.x} - int{g.x}), static_cast<int>(texels));
+                EXPECT_LT(std::abs(int{f.y} - int{g.y}), static_cast<int>(texels));
+            } else if (a.chart == b.chart && a.is_back == b.is_back && shines_alike) {
+                EXPECT_FALSE(f.x == g.x && f.y == g.y);
+            }
+        }
 }
 
 TEST(PatchSet, BackSidesMirrorTheirFronts) {
