@@ -60,6 +60,25 @@ class CountSpread {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> hits_;
 };
 
+/// Patches of one kind: as many rays, light as rough.
+struct GainBin {
+    double measured = 0, independent = 0;
+    std::size_t patches = 0;
+    void add(double measured_of_one, double independent_of_one) {
+        measured += measured_of_one, independent += independent_of_one, ++patches;
+    }
+    [[nodiscard]] double gain() const { return gain_of(measured, independent); }
+};
+constexpr std::size_t levels = 64, roughness_bins = 12;
+/// Their ratio of variances is known to a fifth: four replicates each have a relative variance of 2 / 3.
+constexpr std::size_t enough_patches = 16;
+
+/// By powers of four of the variance of one ray's light relative to its squared mean; 4^-8 and less to 4^2 and more.
+std::size_t roughness_bin(double relative_variance) {
+    if (!(relative_variance > 0)) return 0;
+    return static_cast<std::size_t>(std::clamp(std::ilogb(relative_variance) / 2 + 8, 0, static_cast<int>(roughness_bins) - 1));
+}
+
 /// What all records say of each patch.
 class Tally {
   public:
@@ -97,9 +116,9 @@ class Tally {
 
   private:
     [[nodiscard]] std::vector<double> row_gains() const {
-        std::array<double, 64> measured{}, independent{};
-        std::vector<int> level(light_.ids.size(), -1);
-        for (std::size_t p = 0; p < level.size(); ++p) {
+        std::vector<GainBin> by_level(levels), by_kind(levels * roughness_bins);
+        std::vector<std::size_t> kind(light_.ids.size(), by_kind.size());
+        for (std::size_t p = 0; p < kind.size(); ++p) {
             double light = 0, rays = 0;
             for (std::uint32_t r = 0; r < replicates_; ++r) {
                 const Gathered& g = gathered_[p * replicates_ + r];
@@ -108,16 +127,16 @@ class Tally {
             }
             if (!(light > 0)) continue;
             const double mean = light / rays;
-            level[p] = std::ilogb(rays);
-            independent[static_cast<std::size_t>(level[p])] += (square_[p] / rays - mean * mean) / rays / (mean * mean);
-            measured[static_cast<std::size_t>(level[p])] += spread(p, mean) / (mean * mean);
+            const double relative = std::max(square_[p] / rays / (mean * mean) - 1, 0.0);
+            kind[p] = static_cast<std::size_t>(std::ilogb(rays)) * roughness_bins + roughness_bin(relative);
+            by_kind[kind[p]].add(spread(p, mean) / (mean * mean), relative / rays);
+            by_level[kind[p] / roughness_bins].add(spread(p, mean) / (mean * mean), relative / rays);
         }
-        std::vector<double> gains(level.size(), 1.0);
-        for (std::size_t p = 0; p < gains.size(); ++p) {
-            if (level[p] < 0) continue;
-            const auto k = static_cast<std::size_t>(level[p]);
-            if (replicates_ > 1) gains[p] = gain_of(measured[k], independent[k]);
-        }
+        std::vector<double> gains(kind.size(), 1.0);
+        if (replicates_ < 2) return gains;
+        for (std::size_t p = 0; p < gains.size(); ++p)
+            if (kind[p] < by_kind.size())
+                gains[p] = (by_kind[kind[p]].patches >= enough_patches ? by_kind[kind[p]] : by_level[kind[p] / roughness_bins]).gain();
         return gains;
     }
 

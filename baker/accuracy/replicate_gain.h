@@ -3,8 +3,9 @@
 /// The rays of a patch come in R independently scrambled sequences. Each gives an estimate h_r = sum_j n_ij^r B_j / N^r of
 /// what the patch gathers; their spread says the variance of the mean, s^2 = sum (h_r - h)^2 / (R (R - 1)). Independent rays
 /// would have p^2 = sum_j n_ij (B_j - h)^2 / N^2 (rays into the open or onto backs bring 0). One patch has too few
-/// replicates for a ratio of its own, so the gain is taken per level: sum s^2 / h^2 over sum p^2 / h^2 over the patches
-/// with that many rays.
+/// replicates for a ratio of its own, so the gain is taken per kind: sum s^2 / h^2 over sum p^2 / h^2 over the patches with as many rays
+/// whose single rays scatter as much (var B / h^2, by powers of four): even light is sampled far more evenly than
+/// a doorway. Kinds with few patches take the gain of all with as many rays.
 ///
 /// What others gather from the patch depends on single counts: n_ij has the variance R / (R - 1) sum (n_ij^r - n_ij / R)^2 where
 /// independent rays would have n_ij. That gain is taken per power of two of n_ij: a lamp's thousand rays onto one patch of the
