@@ -84,7 +84,7 @@ class TexelGather {
 
     [[nodiscard]] Rgb indirect(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
         const Plan shares = plan(sampler);
-        NearLight near(in_, options_.near_m, sampler.point(0.5f, 0.5f).position, own_seed);
+        NearLight near(in_, options_.near_m, sampler.point(0.5f, 0.5f).position, shares.aimed_rays > 0, own_seed);
         std::vector<NearVertex> vertices;
         const SobolSequence aims(mix(own_seed, 0x61696d));
         Sum sum;

@@ -12,9 +12,10 @@
 namespace luxel {
 namespace {
 
-/// Bounces that a path may take without getting away from what is near. At reflectance 0.5 less than a hundredth of the light
-/// takes more; what is left then is what the patches say.
+/// Bounces that a path may take without getting away from what is near, and the share of the light that makes another one worth
+/// its rays. What is left then is what the patches say.
 constexpr std::uint32_t most_bounces = 8;
+constexpr float least_share = 0.01f;
 constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d;
 
 void add_light(LightSum& sum, const Rgb& light, const Rgb& throughput) {
@@ -43,10 +44,11 @@ struct NearLight::Rays {
 };
 
 NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
-                             const Rgb& weight) const {
+                             const Rgb& weight, float share) const {
+    const Rgb& reflectance = in_.patches.patches[patch].reflectance;
     const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
     return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}), normal.dot(ray.direction) < 0 ? normal : -normal, hit.triangle,
-            number, weight * in_.patches.patches[patch].reflectance};
+            number, share * std::max({reflectance.x, reflectance.y, reflectance.z}), weight * reflectance};
 }
 
 void NearLight::make_tables() {
@@ -54,7 +56,7 @@ void NearLight::make_tables() {
     has_tables_ = true;
     // Half of all paths stay within two steps; farther ones only choose less well.
     const float around_m = 2 * reach_m_;
-    if (!in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitter_probability_);
+    if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitter_probability_);
     lamps_.emplace(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_);
 }
 
@@ -128,13 +130,9 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
         const Patch& patch = in_.patches.patches[at.patch];
         if (patch.emission != Rgb(0, 0, 0))
             add_light(sum, patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]), from.throughput);
-        if (!is_near(rays.hits[k].distance_m) || depth + 1 >= most_bounces) {
-            add_light(sum, in_.radiosity[at.patch] - patch.emission, from.throughput);
-            continue;
-        }
-        const float stays = std::max({patch.reflectance.x, patch.reflectance.y, patch.reflectance.z});
-        if (random[rays.vertex[k]][3] < stays)
-            further.push_back(vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, from.throughput / stays));
+        const NearVertex next = vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, from.throughput, from.share);
+        if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share) further.push_back(next);
+        else add_light(sum, in_.radiosity[at.patch] - patch.emission, from.throughput);
     }
     vertices = std::move(further);
 }

@@ -1,7 +1,7 @@
 /// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean is
 /// wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that was hit to
 /// lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide and the solution
-/// is good enough again. Unbiased up to what the far patches say; Russian roulette ends paths in narrow gaps.
+/// is good enough again, or too little depends on it. No roulette: in even light every path says the same.
 /// Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT 4(3)
 /// 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
@@ -23,6 +23,7 @@ struct NearVertex {
     Vec3f normal;             ///< unit geometric normal of the side that was met
     std::uint32_t triangle = none;
     std::uint32_t ray = 0;    ///< number of the texel's ray: names its random numbers
+    float share = 1;          ///< of the light, that the bounces before this point leave of it
     Rgb throughput;           ///< what the texel receives per lux here
 };
 
@@ -34,14 +35,15 @@ class NearLight {
   public:
     static constexpr std::size_t batch = SobolSequence::batch;
 
-    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `seed`: the texel's own.
-    NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, std::uint64_t seed)
-        : in_(input), reach_m_(reach_m), position_(texel_position), seed_(seed) {}
+    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `aim`: send rays to emitters too; not where they
+    /// fill the view. `seed`: the texel's own.
+    NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, bool aim, std::uint64_t seed)
+        : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim), seed_(seed) {}
 
     [[nodiscard]] bool is_near(float distance_m) const { return distance_m < reach_m_; }
     /// The vertex where `ray` met patch `patch`; `weight`: what the texel receives per unit of radiosity there.
     [[nodiscard]] NearVertex vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
-                                    const Rgb& weight) const;
+                                    const Rgb& weight, float share = 1) const;
     /// Adds the light of at most `batch` vertices to `sum`; uses them up. Their own emission is not counted.
     void add(std::vector<NearVertex>& vertices, LightSum& sum);
 
@@ -57,6 +59,7 @@ class NearLight {
     const GatherInput& in_;
     float reach_m_;
     Vec3f position_;
+    bool aim_;
     std::uint64_t seed_;
     bool has_tables_ = false;
     std::vector<float> emitter_probability_;  ///< per cluster; empty without emitters

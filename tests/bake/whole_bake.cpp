@@ -21,16 +21,6 @@ std::filesystem::path environment_folder(const char* name, const char* otherwise
     return value ? value : otherwise;
 }
 
-Key key_in_name(const std::string& name) {
-    std::smatch digits;
-    if (!std::regex_search(name, digits, std::regex("-([0-9a-f]{16})([0-9a-f]{16})")))
-        throw std::runtime_error(name + ": no key in this name");
-    Key key;
-    key.high = std::stoull(digits[1], nullptr, 16);
-    key.low = std::stoull(digits[2], nullptr, 16);
-    return key;
-}
-
 }  // namespace
 
 std::filesystem::path source_folder() { return environment_folder("LUXEL_SOURCE_DIR", LUXEL_TEST_SOURCE_DIR); }
@@ -89,6 +79,16 @@ std::string differences(const FileBytes& expected, const FileBytes& found) {
     for (const auto& [name, bytes] : found)
         if (!expected.contains(name)) text += name + " was not expected\n";
     return text;
+}
+
+Key key_in_name(const std::string& name) {
+    std::smatch digits;
+    if (!std::regex_search(name, digits, std::regex("-([0-9a-f]{16})([0-9a-f]{16})")))
+        throw std::runtime_error(name + ": no key in this name");
+    Key key;
+    key.high = std::stoull(digits[1], nullptr, 16);
+    key.low = std::stoull(digits[2], nullptr, 16);
+    return key;
 }
 
 std::filesystem::path stored_file(const std::filesystem::path& work, const std::string& stem) {

@@ -33,6 +33,8 @@ FileBytes files_below(const std::filesystem::path& folder);
 /// The names that differ or are missing on one side; empty means equal.
 std::string differences(const FileBytes& expected, const FileBytes& found);
 
+/// The key that a file of a bake folder bears in its name.
+Key key_in_name(const std::string& name);
 /// The file of a finished bake folder whose name begins with `stem`, and the solution stored in one.
 std::filesystem::path stored_file(const std::filesystem::path& work, const std::string& stem);
 SolveResult stored_solution(const std::filesystem::path& work, std::size_t patch_count);
