@@ -7,7 +7,7 @@
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
-#include "baker/formfactors/surface_map.h"
+#include "baker/trace/surface_map.h"
 #include "baker/light/lamps.h"
 #include "baker/light/near_light.h"
 #include "baker/patches/patch_sampler.h"

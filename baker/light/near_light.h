@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "baker/core/sobol.h"
-#include "baker/formfactors/surface_map.h"
+#include "baker/trace/surface_map.h"
 #include "baker/light/gather.h"
 #include "baker/light/lamp_table.h"
 

@@ -19,7 +19,7 @@
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
-#include "baker/formfactors/surface_map.h"
+#include "baker/trace/surface_map.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/ray_offset.h"
 #include "tests/bench/sequences.h"

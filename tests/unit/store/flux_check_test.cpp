@@ -12,7 +12,7 @@
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
 #include "baker/formfactors/evidence.h"
-#include "baker/formfactors/surface_map.h"
+#include "baker/trace/surface_map.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/store/probability.h"
 #include "baker/trace/ray_offset.h"

@@ -1,5 +1,5 @@
 /// The one rule of sides: fronts belong to their patch, backs to the other side where there is one, else they absorb.
-#include "baker/formfactors/surface_map.h"
+#include "baker/trace/surface_map.h"
 
 #include <gtest/gtest.h>
 
