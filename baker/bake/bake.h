@@ -16,6 +16,9 @@ namespace luxel {
 /// How form factors are found: formfactors/ray_estimator.h, formfactors/hemicube_estimator.h.
 enum class EstimatorKind { ray, hemicube };
 
+/// How patches are grouped: chunks/room_chunks.h, chunks/spatial_tiles.h.
+enum class ChunkKind { rooms, tiles };
+
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
@@ -24,6 +27,7 @@ struct BakeOptions {
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory
+    ChunkKind chunks = ChunkKind::rooms;
     EstimatorKind estimator = EstimatorKind::ray;
     std::uint32_t hemicube_resolution = 64;  ///< pixels along an edge, for EstimatorKind::hemicube
     std::uint32_t replicates = 4;        ///< independent ray sequences per patch

@@ -1,6 +1,6 @@
 #include "baker/bake/geometry_stages.h"
 
-#include "baker/chunks/spatial_tiles.h"
+#include "baker/chunks/room_chunks.h"
 #include "baker/core/memory.h"
 #include "baker/patches/patch_build.h"
 #include "baker/patches/patch_set.h"
@@ -104,10 +104,16 @@ float reach_behind_walls_m(const BakeOptions& options, const Atlas& atlas) {
     return 2 * static_cast<float>(options.patch_texels) / atlas.texels_per_metre;
 }
 
+Tiling number_by_chunk(const BakeOptions& options, const BakedGeometry& g) {
+    if (options.chunks == ChunkKind::tiles) return tile_patches(g.patches, {options.chunk_patches});
+    const float patch_side_m = static_cast<float>(options.patch_texels) / g.atlas.texels_per_metre;
+    return find_room_chunks(g.scene, g.atlas, g.patches, *g.tracer, {options.chunk_patches, patch_side_m});
+}
+
 void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     const std::vector<bool> open_backs = find_open_backs(g.scene, g.atlas, g.patches, *g.tracer);
     g.patches = add_back_sides(std::move(g.patches), open_backs);
-    Tiling tiling = tile_patches(g.patches, {options.chunk_patches});
+    Tiling tiling = number_by_chunk(options, g);
     renumber(g.patches, tiling.new_number);
     g.layout = std::move(tiling.layout);
     report.patches = g.patches.count();

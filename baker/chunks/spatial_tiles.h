@@ -1,7 +1,10 @@
-/// Cuts the patches into chunks: tiles of a fixed grid of halvings of space. Local and deterministic: the lines are
-/// multiples of powers of two in metres around the scene's origin, so a moved chair changes the tiles it left and
-/// entered, and no others.
+/// Cuts the patches into chunks: tiles of a fixed grid of halvings of space (space_halving.h). Local and deterministic: a
+/// moved chair changes the tiles it left and entered, and no others. It needs no rays, and knows nothing of walls:
+/// room_chunks.h does.
 #pragma once
+#include <span>
+#include <vector>
+
 #include "baker/formfactors/block_source.h"
 #include "baker/patches/patch.h"
 
@@ -19,5 +22,8 @@ struct Tiling {
 /// Old order is by surface, then raster; it is kept inside chunks, because neighbours see the same things and bits of the
 /// index then come in runs. Patches at one point that cannot be told apart are cut by their order.
 Tiling tile_patches(const PatchSet& patches, const TileOptions& options);
+
+/// Numbers patches chunk by chunk in the orders given; every patch below `patch_count` is in exactly one chunk.
+Tiling number_chunks(std::span<const std::vector<PatchNumber>> chunks, std::size_t patch_count);
 
 }  // namespace luxel

@@ -97,7 +97,7 @@ class Help(Case):
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
-              "--threads": "1", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--verify": "", "--quiet": ""}
 
     def test_help(self):

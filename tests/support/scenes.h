@@ -37,6 +37,12 @@ inline MadeMesh quad(const Vec3f& a, const Vec3f& u, const Vec3f& v) {
     return mesh;
 }
 
+inline void append(MadeMesh& mesh, const MadeMesh& more) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
+    for (const auto& t : more.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
 /// The same surface seen from the other side.
 inline MadeMesh turned(MadeMesh mesh) {
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
@@ -86,31 +92,40 @@ inline MadeMesh icosphere(int levels, float radius) {
     return mesh;
 }
 
-/// Two rooms of 4 x 2.5 x 4 m beside each other along x, a wall of 0.25 m between them with a door of 1 x 2 m.
-/// [0]: the room at x < 4 with its half of the passage, [1]: the one at x > 4.25.
-inline std::array<MadeMesh, 2> two_rooms() {
-    const auto half = [] {
-        MadeMesh mesh;
-        const float end = 4, high = 2.5f, deep = 4, passage = 0.125f;
-        const float door_low = 1.5f, door_high = 2.5f, door_top = 2;
-        add_quad(mesh, {0, 0, 0}, {0, 0, deep}, {end, 0, 0});         // floor
-        add_quad(mesh, {0, high, 0}, {end, 0, 0}, {0, 0, deep});      // ceiling
-        add_quad(mesh, {0, 0, 0}, {0, high, 0}, {0, 0, deep});        // far wall
-        add_quad(mesh, {0, 0, 0}, {end, 0, 0}, {0, high, 0});         // z = 0
-        add_quad(mesh, {0, 0, deep}, {0, high, 0}, {end, 0, 0});      // z = deep
-        add_quad(mesh, {end, 0, 0}, {0, 0, door_low}, {0, high, 0});  // beside the door
-        add_quad(mesh, {end, 0, door_high}, {0, 0, deep - door_high}, {0, high, 0});
-        add_quad(mesh, {end, door_top, door_low}, {0, 0, door_high - door_low}, {0, high - door_top, 0});
-        add_quad(mesh, {end, 0, door_low}, {0, 0, door_high - door_low}, {passage, 0, 0});
-        add_quad(mesh, {end, door_top, door_low}, {passage, 0, 0}, {0, 0, door_high - door_low});
-        add_quad(mesh, {end, 0, door_low}, {passage, 0, 0}, {0, door_top, 0});
-        add_quad(mesh, {end, 0, door_high}, {0, door_top, 0}, {passage, 0, 0});
-        return mesh;
+/// `count` rooms of 4 x 2.5 x 4 m beside each other along x, walls of 0.25 m between them with a door of 1 x 2 m; room k
+/// begins at x = 4.25 k and has its half of each passage.
+inline std::vector<MadeMesh> rooms_in_a_row(int count) {
+    const float end = 4, high = 2.5f, deep = 4, passage = 0.125f;
+    const auto mirrored = [&](MadeMesh mesh) {
+        for (Vec3f& p : mesh.positions) p.x = end - p.x;
+        return turned(std::move(mesh));
     };
-    std::array<MadeMesh, 2> rooms{half(), turned(half())};
-    for (Vec3f& p : rooms[1].positions) p.x = 8.25f - p.x;
+    MadeMesh solid_wall, door_wall;  // at x = end
+    add_quad(solid_wall, {end, 0, 0}, {0, 0, deep}, {0, high, 0});
+    const float door_low = 1.5f, door_high = 2.5f, door_top = 2;
+    add_quad(door_wall, {end, 0, 0}, {0, 0, door_low}, {0, high, 0});  // beside the door
+    add_quad(door_wall, {end, 0, door_high}, {0, 0, deep - door_high}, {0, high, 0});
+    add_quad(door_wall, {end, door_top, door_low}, {0, 0, door_high - door_low}, {0, high - door_top, 0});
+    add_quad(door_wall, {end, 0, door_low}, {0, 0, door_high - door_low}, {passage, 0, 0});
+    add_quad(door_wall, {end, door_top, door_low}, {passage, 0, 0}, {0, 0, door_high - door_low});
+    add_quad(door_wall, {end, 0, door_low}, {passage, 0, 0}, {0, door_top, 0});
+    add_quad(door_wall, {end, 0, door_high}, {0, door_top, 0}, {passage, 0, 0});
+    std::vector<MadeMesh> rooms;
+    for (int k = 0; k < count; ++k) {
+        MadeMesh mesh;
+        add_quad(mesh, {0, 0, 0}, {0, 0, deep}, {end, 0, 0});     // floor
+        add_quad(mesh, {0, high, 0}, {end, 0, 0}, {0, 0, deep});  // ceiling
+        add_quad(mesh, {0, 0, 0}, {end, 0, 0}, {0, high, 0});     // z = 0
+        add_quad(mesh, {0, 0, deep}, {0, high, 0}, {end, 0, 0});  // z = deep
+        append(mesh, mirrored(k > 0 ? door_wall : solid_wall));
+        append(mesh, k + 1 < count ? door_wall : solid_wall);
+        rooms.push_back(moved(std::move(mesh), {(end + 2 * passage) * static_cast<float>(k), 0, 0}));
+    }
     return rooms;
 }
+
+/// [0]: the room at x < 4 with its half of the passage, [1]: the one at x > 4.25.
+inline std::vector<MadeMesh> two_rooms() { return rooms_in_a_row(2); }
 
 struct MadeMaterial {
     std::array<double, 3> reflectance{0.5, 0.5, 0.5};

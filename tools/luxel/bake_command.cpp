@@ -31,7 +31,8 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
-                                encoding = "srgb8", importance = "on", estimator = "ray";
+                                encoding = "srgb8", importance = "on", estimator = "ray",
+                                chunks = "rooms";
     double texels_per_metre = 0, tolerance = 0, error = 0;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
@@ -70,6 +71,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.unwrap.uv_mode = a.uv == "keep" ? UvMode::keep : UvMode::unwrap;
     o.patch_texels = a.patch_texels;
     o.chunk_patches = a.chunk_patches;
+    o.chunks = a.chunks == "tiles" ? ChunkKind::tiles : ChunkKind::rooms;
     o.estimator = a.estimator == "hemicube" ? EstimatorKind::hemicube : EstimatorKind::ray;
     if (o.estimator == EstimatorKind::hemicube && a.error > 0)
         throw Error(ErrorCode::usage, "--error", "the counts of the hemicube do not scatter, so no error can be found from them",
@@ -96,6 +98,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"padding", std::to_string(o.unwrap.padding)},
             {"uv", a.uv},
             {"patch-texels", std::to_string(o.patch_texels)},
+            {"chunks", a.chunks},
             {"chunk-patches", std::to_string(o.chunk_patches)},
             {"rays", std::to_string(o.rays)},
             {"estimator", a.estimator},
@@ -184,6 +187,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->capture_default_str()->group("Running");
     command.add_option("--threads", a.threads, "0: all cores")
         ->check(CLI::Range(0u, 1024u))->capture_default_str()->group("Running");
+    command.add_option("--chunks", a.chunks, "patches that see each other, found by a thin round of rays, or cubes of space")
+        ->check(CLI::IsMember({"rooms", "tiles"}))->capture_default_str()->group("Running");
     command.add_option("--chunk-patches", a.chunk_patches, "patches per chunk at most")
         ->check(CLI::Range(16u, 65536u))->capture_default_str()->group("Running");
     command.add_option("--seed", a.seed, "of all sample patterns")->check(unsigned_number)->capture_default_str()->group("Running");

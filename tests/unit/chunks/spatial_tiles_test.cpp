@@ -7,8 +7,14 @@
 #include <random>
 #include <set>
 
+#include "baker/chunks/space_halving.h"
+#include "tests/unit/chunks/chunk_sets.h"
+
 namespace luxel {
 namespace {
+
+using test::chunks_of;
+using test::expect_valid;
 
 PatchSet random_patches(std::size_t count, unsigned seed, float size = 10) {
     std::mt19937_64 random(seed);
@@ -23,35 +29,6 @@ PatchSet random_patches(std::size_t count, unsigned seed, float size = 10) {
         set.patches.push_back(patch);
     }
     return set;
-}
-
-/// Ids of the patches of each chunk, in their order.
-std::vector<std::vector<PatchId>> chunks_of(const PatchSet& set, const Tiling& tiling) {
-    std::vector<PatchId> by_number(set.count());
-    for (std::size_t old = 0; old < set.count(); ++old) by_number.at(tiling.new_number[old]) = set.patches[old].id;
-    std::vector<std::vector<PatchId>> chunks;
-    for (ChunkNumber c = 0; c < tiling.layout.chunk_count(); ++c)
-        chunks.emplace_back(by_number.begin() + tiling.layout.first_patch[c],
-                            by_number.begin() + tiling.layout.first_patch[c + 1]);
-    return chunks;
-}
-
-void expect_valid(const PatchSet& set, const Tiling& tiling, std::uint32_t limit) {
-    std::vector<bool> used(set.count());
-    ASSERT_EQ(tiling.new_number.size(), set.count());
-    for (const PatchNumber number : tiling.new_number) {
-        ASSERT_LT(number, set.count());
-        EXPECT_FALSE(used[number]) << "a number is given twice";
-        used[number] = true;
-    }
-    ASSERT_EQ(tiling.layout.first_patch.front(), 0u);
-    ASSERT_EQ(tiling.layout.patch_count(), set.count());
-    for (ChunkNumber c = 0; c < tiling.layout.chunk_count(); ++c) {
-        EXPECT_GE(tiling.layout.size(c), 1u);
-        EXPECT_LE(tiling.layout.size(c), limit);
-    }
-    for (const auto& chunk : chunks_of(set, tiling))
-        EXPECT_TRUE(std::is_sorted(chunk.begin(), chunk.end())) << "the old order is kept inside a chunk";
 }
 
 TEST(SpatialTiles, NumbersAreAPermutationAndChunksAreSmall) {
@@ -122,6 +99,16 @@ TEST(SpatialTiles, MoreSceneInsideTheBoxLeavesTheOthersAlone) {
     std::size_t kept = 0;
     for (const auto& tile : tiles(grown, 64)) kept += before.contains(tile);
     EXPECT_GE(kept, before.size() - 1);
+}
+
+TEST(SpaceHalving, SizesCountAndLargeThingsStandAlone) {
+    const std::vector<Vec3d> places{{1, 0, 0}, {1.5, 0, 0}, {3, 0, 0}, {-1, 0, 0}, {3, 0, 0}};
+    const std::vector<std::uint32_t> sizes{2, 3, 4, 9, 1};
+    using Groups = std::vector<std::vector<std::uint32_t>>;
+    EXPECT_EQ(halve_space(places, sizes, {0, 1, 2, 3, 4}, 5), (Groups{{3}, {0, 1}, {2, 4}}));
+    EXPECT_EQ(halve_space(places, sizes, {0, 2, 4}, 4), (Groups{{0}, {2}, {4}})) << "things at one place, in their order";
+    EXPECT_EQ(halve_space(places, sizes, {4, 1}, 100), (Groups{{4, 1}}));
+    EXPECT_TRUE(halve_space(places, sizes, {}, 1).empty());
 }
 
 TEST(ChunkLayout, ChunkOfSkipsEmptyChunks) {
