@@ -14,7 +14,8 @@ namespace {
 
 using Cells = std::vector<std::uint32_t>;
 
-/// Step 3. Joining pairs can end with chunks that are a little over half full everywhere; giving away one of them fills others.
+/// Step 3. Joining pairs can end with chunks that are a little over half full everywhere; giving away one of them fills
+/// others.
 class Dissolver {
   public:
     Dissolver(const SightGraph& graph, const RoomTree& tree, std::uint32_t limit)
@@ -92,7 +93,8 @@ class Dissolver {
         std::pair<std::uint32_t, std::uint64_t> best{none, 0};
         for (const auto& [group, rays] : seen) {
             const auto more = added.find(group);
-            const std::uint64_t size = std::uint64_t{patches_[group]} + patches + (more == added.end() ? 0 : more->second);
+            const std::uint64_t size =
+                std::uint64_t{patches_[group]} + patches + (more == added.end() ? 0 : more->second);
             if (group != from && size <= limit_ && rays > best.second) best = {group, rays};
         }
         return best;
@@ -104,7 +106,7 @@ class Dissolver {
     std::uint32_t limit_;
     std::vector<std::uint32_t> group_of_;  ///< per cell
     std::vector<Cells> groups_;
-    std::vector<std::uint32_t> patches_;   ///< per group
+    std::vector<std::uint32_t> patches_;  ///< per group
     std::vector<bool> received_;          ///< groups that are no longer a node of the tree
 };
 
@@ -121,7 +123,8 @@ Vec3d mean_place(const SightCells& cells, const Cells& group) {
 }
 
 /// Step 4. Small groups are put together, and what is still small is added to the nearest group with space.
-void join_small_by_place(const SightCells& cells, const SightGraph& graph, std::uint32_t limit, std::vector<Cells>& groups) {
+void join_small_by_place(const SightCells& cells, const SightGraph& graph, std::uint32_t limit,
+                         std::vector<Cells>& groups) {
     const std::uint32_t small_patches = limit / 4;
     Cells small;
     std::erase_if(groups, [&](const Cells& group) {
@@ -139,7 +142,8 @@ void join_small_by_place(const SightCells& cells, const SightGraph& graph, std::
         double least = std::numeric_limits<double>::max();
         for (std::size_t g = 0; patches < small_patches && g < places.size(); ++g) {
             const double distance = (places[g] - place).length();
-            if (distance < least && patches_in(graph, groups[g]) + patches <= limit) nearest = &groups[g], least = distance;
+            if (distance < least && patches_in(graph, groups[g]) + patches <= limit)
+                nearest = &groups[g], least = distance;
         }
         if (nearest)
             nearest->insert(nearest->end(), rest.begin(), rest.end());
@@ -158,7 +162,8 @@ std::vector<std::vector<PatchNumber>> group_into_rooms(const SightCells& cells, 
     std::vector<std::vector<PatchNumber>> chunks;
     for (const Cells& group : groups) {
         std::vector<PatchNumber> members;
-        for (const std::uint32_t cell : group) members.insert(members.end(), cells.patches[cell].begin(), cells.patches[cell].end());
+        for (const std::uint32_t cell : group)
+            members.insert(members.end(), cells.patches[cell].begin(), cells.patches[cell].end());
         std::sort(members.begin(), members.end());
         // A single cell may be larger than a small limit.
         for (auto begin = members.begin(); begin != members.end();) {

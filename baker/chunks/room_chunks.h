@@ -1,14 +1,15 @@
-/// Cuts the patches into chunks that are rooms: sets that see each other much and others little, found by a thin round of
-/// rays before any evidence exists.
+/// Cuts the patches into chunks that are rooms: sets that see each other much and others little, found by a thin round
+/// of rays before any evidence exists.
 ///
 /// 1. Cells of surface exchange a few rays per patch (sight_graph.h).
-/// 2. What sees each other most is joined as long as it fits into a chunk (room_tree.h). A room that does not fit ends as several
-///    chunks, small rooms share one.
+/// 2. What sees each other most is joined as long as it fits into a chunk (room_tree.h): a room that does not fit ends
+///    as several chunks, small rooms share one.
 /// 3. A chunk whose parts see more of other chunks with space than of each other is given to them.
 /// 4. Small chunks that are left, such as outer faces which see nothing, are put together by place (space_halving.h).
 ///
-/// Deterministic, and local as far as rays are: a moved chair changes the rays of what it left and entered, so chunks of rooms
-/// that do not see it stay. Thread count and memory budget have no influence.
+/// Deterministic, and local: a moved chair changes the rays between what it left or entered and what sees that, hence
+/// the chunks of its room and, through their sizes, perhaps those of the next ones. Thread count and memory budget have
+/// no influence.
 #pragma once
 #include "baker/chunks/sight_graph.h"
 #include "baker/chunks/spatial_tiles.h"
@@ -25,7 +26,9 @@ struct RoomOptions {
 Tiling find_room_chunks(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,
                         const RoomOptions& options);
 
-/// Steps 2 to 4: the chunks as lists of patches, each ascending, in the order of their first patches. Pure. `limit` > 0.
-std::vector<std::vector<PatchNumber>> group_into_rooms(const SightCells& cells, const SightGraph& graph, std::uint32_t limit);
+/// Steps 2 to 4: the chunks as lists of patches, each ascending, in the order of their first patches. Pure.
+/// `limit` > 0: patches per chunk.
+std::vector<std::vector<PatchNumber>> group_into_rooms(const SightCells& cells, const SightGraph& graph,
+                                                       std::uint32_t limit);
 
 }  // namespace luxel

@@ -62,8 +62,9 @@ class Joiner {
             double most = 0;
             for (const SightGraph::Link& link : graph_.links_of(n)) {
                 if (std::uint64_t{graph_.patches[n]} + graph_.patches[link.other] > limit_) continue;
-                // The same number seen from both ends: products below 2^53 are exact.
-                const double closeness = static_cast<double>(link.rays) / static_cast<double>(weight_[n] * weight_[link.other]);
+                // The same number seen from both ends: counts and products are below 2^53, hence exact.
+                const double closeness =
+                    static_cast<double>(link.rays) / static_cast<double>(weight_[n] * weight_[link.other]);
                 if (closeness < most || (closeness == most && !before(n, link.other, nearest_[n].other))) continue;
                 most = closeness;
                 nearest_[n] = link;
@@ -87,7 +88,8 @@ class Joiner {
 
 RoomTree build_room_tree(const SightGraph& graph, std::uint32_t limit) {
     Joiner joiner(graph, limit);
-    while (joiner.round()) {}
+    bool joined = true;
+    while (joined) joined = joiner.round();
     return joiner.finish();
 }
 

@@ -1,10 +1,11 @@
-/// Joins what sees each other most, again and again: a tree whose lower nodes are corners and furniture, and whose upper ones
-/// are rooms and flats, up to a size.
+/// Joins what sees each other most, again and again: a tree whose lower nodes are corners and furniture, and whose
+/// upper ones are rooms and flats, up to a size.
 ///
-/// Two nodes join when each is the one that the other sees most, by rays over the product of their sizes (average linkage,
-/// mutual nearest neighbours). Average linkage is reducible (Bruynooghe 1977; Murtagh 1983): a join never brings anything
-/// nearer, so the tree is that of joining the closest pair of all each time, in any order. That makes it local:
-/// what happens in one room does not wait for another. Pure; integers and exact quotients only, ties by the order of nodes.
+/// Two nodes join when each is the one that the other sees most of those it fits together with, by rays over the
+/// product of their sizes (average linkage, mutual nearest neighbours). Average linkage is reducible (Bruynooghe 1977;
+/// Murtagh 1983): a join never brings anything nearer, so below the limit the tree is that of joining the closest pair
+/// of all each time, in any order. That makes it local: what happens in one room does not wait for another. Pure;
+/// integers and exact quotients only, ties by the order of nodes.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -139,7 +139,8 @@ SightGraph trace_sight(const Scene& scene, const Atlas& atlas, const PatchSet& p
 
 SightGraph join_nodes(const SightGraph& graph, std::span<const std::uint32_t> group, std::size_t group_count) {
     std::vector<std::vector<std::uint32_t>> members(group_count);
-    for (std::size_t node = 0; node < graph.count(); ++node) members[group[node]].push_back(static_cast<std::uint32_t>(node));
+    for (std::size_t node = 0; node < graph.count(); ++node)
+        members[group[node]].push_back(static_cast<std::uint32_t>(node));
     SightGraph joined;
     std::vector<std::uint64_t> rays(group_count, 0);
     std::vector<std::uint32_t> met;

@@ -1,6 +1,6 @@
-/// Who sees whom, coarsely: cells of surface, and how many rays of a thin round went between them. It exists before chunks
-/// do, and says where the rooms are. Rays are keyed by stable patch ids and cells lie on a fixed grid, so a moved
-/// chair changes what it is seen by, and nothing else.
+/// Who sees whom, coarsely: cells of surface, and how many rays of a thin round went between them. It exists before
+/// chunks do, and says where the rooms are. Rays are keyed by stable patch ids and cells lie on a fixed grid, so a
+/// moved chair changes what it is seen by, and nothing else.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,12 +12,12 @@
 
 namespace luxel {
 
-/// Pieces of surface of one chart that face about the same way, each within a cube of the grid: never both sides of a wall.
-/// In the order of their smallest stable ids, so cells keep their order when others come and go.
+/// Pieces of surface of one chart that face about the same way, each within a cube of the grid: never both sides of a
+/// wall. In the order of their smallest stable ids, so cells keep their order when others come and go.
 struct SightCells {
-    std::vector<std::uint32_t> cell_of;              ///< per patch number
-    std::vector<std::vector<PatchNumber>> patches;   ///< per cell, ascending, not empty
-    std::vector<Vec3d> middle;                       ///< per cell: of its cube, m
+    std::vector<std::uint32_t> cell_of;             ///< per patch number
+    std::vector<std::vector<PatchNumber>> patches;  ///< per cell, ascending, not empty
+    std::vector<Vec3d> middle;                      ///< per cell: of its cube, m
     [[nodiscard]] std::size_t count() const { return patches.size(); }
 };
 
@@ -30,7 +30,8 @@ struct SightGraph {
         std::uint32_t other;
         std::uint64_t rays;  ///< > 0, both ways together
     };
-    std::vector<std::size_t> row_begin{0};  ///< links of node n: [row_begin[n], row_begin[n + 1]), every other node once
+    std::vector<std::size_t> row_begin{
+        0};  ///< links of node n: [row_begin[n], row_begin[n + 1]), every other node once
     std::vector<Link> links;
     std::vector<std::uint32_t> patches;  ///< per node: how many it stands for, > 0
     [[nodiscard]] std::size_t count() const { return patches.size(); }
@@ -39,8 +40,8 @@ struct SightGraph {
     }
 };
 
-/// Nodes are the cells. Every patch sends `rays_per_patch` rays from its visible area, a pure function of geometry and its
-/// stable id. Threads: uses them all; the result does not depend on their number. Memory: 16 bytes per link, of
+/// Nodes are the cells. Every patch sends `rays_per_patch` rays from its visible area, a pure function of geometry and
+/// its stable id. Threads: uses them all; the result does not depend on their number. Memory: 16 bytes per link, of
 /// which there are at most two per ray.
 SightGraph trace_sight(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,
                        const SightCells& cells, std::uint32_t rays_per_patch);

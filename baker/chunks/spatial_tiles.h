@@ -1,5 +1,5 @@
-/// Cuts the patches into chunks: tiles of a fixed grid of halvings of space (space_halving.h). Local and deterministic: a
-/// moved chair changes the tiles it left and entered, and no others. It needs no rays, and knows nothing of walls:
+/// Cuts the patches into chunks: tiles of a fixed grid of halvings of space (space_halving.h). Local and deterministic:
+/// a moved chair changes the tiles it left and entered, and no others. It needs no rays, and knows nothing of walls:
 /// room_chunks.h does.
 #pragma once
 #include <span>
@@ -19,8 +19,8 @@ struct Tiling {
     std::vector<PatchNumber> new_number;  ///< per old number: consecutive per chunk; inside a chunk the old order
 };
 
-/// Old order is by surface, then raster; it is kept inside chunks, because neighbours see the same things and bits of the
-/// index then come in runs. Patches at one point that cannot be told apart are cut by their order.
+/// Old order is by surface, then raster; it is kept inside chunks, because neighbours see the same things and bits of
+/// the index then come in runs. Patches at one point that cannot be told apart are cut by their order.
 Tiling tile_patches(const PatchSet& patches, const TileOptions& options);
 
 /// Numbers patches chunk by chunk in the orders given; every patch below `patch_count` is in exactly one chunk.

@@ -1,10 +1,12 @@
 /// What chunks cost: blocks, bytes and reads of the solve, with the same rays for all patches; and bytes per pair
 /// when the patches inside chunks are put into other orders.
 ///
-/// usage: chunk_bench SCENE [--chunks rooms|tiles] [--chunk-patches N] [--rays N] [--density T] [--atlas-size N] [--patch-texels K]
+/// usage: chunk_bench SCENE [--chunks rooms|tiles] [--chunk-patches N] [--rays N] [--density T] [--atlas-size N]
+/// [--patch-texels K]
 ///                          [--tolerance E] [--orders]
-/// "own" is the share of pairs in the chunks' own blocks; "reads" are bytes read by a solve without a cache over bytes of the store (a
-/// scene without light is given some); "fill" is patches per chunk over the limit. An order is the same blocks with rows and columns permuted, encoded as the store does.
+/// "own" is the share of pairs in the chunks' own blocks; "reads" are bytes read by a solve without a cache over bytes
+/// of the store (a scene without light is given some); "fill" is patches per chunk over the limit. An order is the same
+/// blocks with rows and columns permuted, encoded as the store does.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -34,10 +36,12 @@ std::vector<PlacedBlock> read_blocks(const fs::path& work) {
     for (const auto& entry : fs::recursive_directory_iterator(work)) {
         if (entry.path().extension() != ".lxs") continue;
         const BlockFileReader file(entry.path(), FileKind::strip, strip_version);
-        const auto a = static_cast<ChunkNumber>(std::stoul(entry.path().stem().string().substr(std::string("strip-").size())));
+        const auto a =
+            static_cast<ChunkNumber>(std::stoul(entry.path().stem().string().substr(std::string("strip-").size())));
         const auto directory = read_strip_directory(file);
         for (std::size_t k = 0; k < directory.size(); ++k)
-            blocks.push_back({a, directory[k].b, unpack_pairs(file.read(first_pair_block + k), a == directory[k].b, file.name())});
+            blocks.push_back(
+                {a, directory[k].b, unpack_pairs(file.read(first_pair_block + k), a == directory[k].b, file.name())});
     }
     return blocks;
 }
@@ -77,13 +81,15 @@ std::uint64_t hilbert(Cell x) {
 std::vector<std::uint64_t> curve_keys(const PatchSet& set, std::uint64_t (*curve)(Cell)) {
     Vec3f low(1e30f, 1e30f, 1e30f), high = -low;
     for (const Patch& patch : set.patches)
-        for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], patch.center[k]), high[k] = std::max(high[k], patch.center[k]);
+        for (int k = 0; k < 3; ++k)
+            low[k] = std::min(low[k], patch.center[k]), high[k] = std::max(high[k], patch.center[k]);
     const float edge = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-9f});
     std::vector<std::uint64_t> keys;
     for (const Patch& patch : set.patches) {
         Cell cell;
         for (int k = 0; k < 3; ++k)
-            cell[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>((patch.center[k] - low[k]) / edge * 65535.0f);
+            cell[static_cast<std::size_t>(k)] =
+                static_cast<std::uint32_t>((patch.center[k] - low[k]) / edge * 65535.0f);
         keys.push_back(curve(cell));
     }
     return keys;
@@ -95,7 +101,8 @@ std::vector<std::uint32_t> places(const ChunkLayout& layout, const std::vector<s
     for (ChunkNumber c = 0; c < layout.chunk_count(); ++c) {
         std::vector<PatchNumber> members(layout.size(c));
         std::iota(members.begin(), members.end(), layout.first_patch[c]);
-        std::stable_sort(members.begin(), members.end(), [&](PatchNumber a, PatchNumber b) { return keys[a] < keys[b]; });
+        std::stable_sort(members.begin(), members.end(),
+                         [&](PatchNumber a, PatchNumber b) { return keys[a] < keys[b]; });
         for (std::uint32_t k = 0; k < members.size(); ++k) place[members[k]] = k;
     }
     return place;
@@ -106,7 +113,8 @@ StripPairs permuted(const PlacedBlock& block, const ChunkLayout& layout, const s
     std::vector<std::vector<std::pair<std::uint16_t, std::uint32_t>>> rows(from.rows);
     for (std::uint32_t r = 0; r < from.rows; ++r)
         for (std::uint32_t k = from.row_begin[r]; k < from.row_begin[r + 1]; ++k) {
-            std::uint32_t row = place[layout.first_patch[block.a] + r], column = place[layout.first_patch[block.b] + from.column[k]];
+            std::uint32_t row = place[layout.first_patch[block.a] + r],
+                          column = place[layout.first_patch[block.b] + from.column[k]];
             if (block.a == block.b && row > column) std::swap(row, column);
             rows[row].emplace_back(static_cast<std::uint16_t>(column), from.count[k]);
         }
@@ -127,23 +135,29 @@ void print_orders(const BakedGeometry& geometry, const std::vector<PlacedBlock>&
     auto charts_hilbert = hilbert_keys;
     for (std::size_t p = 0; p < chart.size(); ++p) charts_hilbert[p] |= chart[p] << 48;
     using Keys = std::vector<std::uint64_t>;
-    const std::vector<std::pair<const char*, const Keys&>> orders{
-        {"surface, raster", same}, {"surface, Hilbert", charts_hilbert}, {"Morton", morton_keys}, {"Hilbert", hilbert_keys}};
+    const std::vector<std::pair<const char*, const Keys&>> orders{{"surface, raster", same},
+                                                                  {"surface, Hilbert", charts_hilbert},
+                                                                  {"Morton", morton_keys},
+                                                                  {"Hilbert", hilbert_keys}};
     for (const auto& [name, keys] : orders) {
         const auto place = places(geometry.layout, keys);
         std::vector<std::uint64_t> bytes(blocks.size());
         parallel_for(blocks.size(), 1, [&](std::size_t k) {
-            bytes[k] = pack_pairs(permuted(blocks[k], geometry.layout, place), blocks[k].a == blocks[k].b).stored.size();
+            bytes[k] =
+                pack_pairs(permuted(blocks[k], geometry.layout, place), blocks[k].a == blocks[k].b).stored.size();
         });
-        fmt::print("    {:<18} {:.3f} bytes/pair\n", name, static_cast<double>(std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0})) / pairs);
+        fmt::print("    {:<18} {:.3f} bytes/pair\n", name,
+                   static_cast<double>(std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0})) / pairs);
     }
 }
 
 /// Bytes of all loads over bytes of the store, nothing cached.
-double solve_reads(const BakedGeometry& geometry, const BakedMatrix& matrix, const BakedSources& sources, double tolerance) {
+double solve_reads(const BakedGeometry& geometry, const BakedMatrix& matrix, const BakedSources& sources,
+                   double tolerance) {
     std::vector<Rgb> reflectance;
     std::vector<Channels> emission = sources.emission;
-    const bool dark = std::all_of(emission.begin(), emission.end(), [](const Channels& m) { return m[0] + m[1] + m[2] == 0; });
+    const bool dark =
+        std::all_of(emission.begin(), emission.end(), [](const Channels& m) { return m[0] + m[1] + m[2] == 0; });
     for (std::size_t p = 0; p < emission.size(); ++p) {
         const Patch& patch = geometry.patches.patches[p];
         reflectance.push_back(patch.reflectance);
@@ -174,11 +188,14 @@ void run(const BakeOptions& o, const std::string& kind, bool orders) {
     double chunk_seconds = 0;
     for (const StageReport& stage : report.stages) chunk_seconds += stage.name == "chunks" ? stage.seconds : 0;
     const auto pairs = static_cast<double>(report.pairs);
-    fmt::print("{} {} of {}: {} patches, {} chunks, fill {:.2f}, {} blocks, {:.2f} M pairs, own {:.1f} %, {:.3f} bytes/pair, reads {:.2f}; "
-               "chunks {:.2f} s, evidence {:.1f} s\n",
-               o.input.stem().string(), kind, o.chunk_patches, report.patches, report.chunks,
-               static_cast<double>(report.patches) / static_cast<double>(report.chunks) / o.chunk_patches, report.blocks,
-               pairs * 1e-6, 100 * own / pairs, static_cast<double>(report.store_bytes) / pairs, reads, chunk_seconds, report.evidence_seconds);
+    fmt::print(
+        "{} {} of {}: {} patches, {} chunks, fill {:.2f}, {} blocks, {:.2f} M pairs, own {:.1f} %, {:.3f} bytes/pair, "
+        "reads {:.2f}; "
+        "chunks {:.2f} s, evidence {:.1f} s\n",
+        o.input.stem().string(), kind, o.chunk_patches, report.patches, report.chunks,
+        static_cast<double>(report.patches) / static_cast<double>(report.chunks) / o.chunk_patches, report.blocks,
+        pairs * 1e-6, 100 * own / pairs, static_cast<double>(report.store_bytes) / pairs, reads, chunk_seconds,
+        report.evidence_seconds);
     if (orders) print_orders(*geometry, blocks, pairs);
 }
 

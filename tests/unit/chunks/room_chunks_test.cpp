@@ -1,4 +1,5 @@
-/// Rooms become chunks; every patch is in one, none is too large; what moves in one room leaves the chunks of others alone.
+/// Rooms become chunks; every patch is in one, none is too large; what moves in one room leaves the chunks of others
+/// alone.
 #include "baker/chunks/room_chunks.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,8 @@ std::unique_ptr<Prepared> two_rooms(float x = 1, float z = 1, std::uint32_t firs
 constexpr float side_m = 0.25f;  // 4 texels of 16 per metre
 
 Tiling rooms_of(const Prepared& made, std::uint32_t limit) {
-    return find_room_chunks(made.scene, made.atlas, made.patches, *made.tracer, {.chunk_patches = limit, .patch_side_m = side_m});
+    return find_room_chunks(made.scene, made.atlas, made.patches, *made.tracer,
+                            {.chunk_patches = limit, .patch_side_m = side_m});
 }
 
 /// How many patches of each object are in each chunk.
@@ -39,7 +41,8 @@ std::vector<std::map<std::string, std::size_t>> content(const Prepared& made, co
     std::vector<std::map<std::string, std::size_t>> chunks(tiling.layout.chunk_count());
     for (PatchNumber p = 0; p < made.patches.count(); ++p)
         for (ChunkNumber c = 0; c < tiling.layout.chunk_count(); ++c)
-            if (tiling.new_number[p] >= tiling.layout.first_patch[c] && tiling.new_number[p] < tiling.layout.first_patch[c + 1])
+            if (tiling.new_number[p] >= tiling.layout.first_patch[c] &&
+                tiling.new_number[p] < tiling.layout.first_patch[c + 1])
                 ++chunks[c][made.path_of(p)];
     return chunks;
 }
@@ -50,17 +53,20 @@ TEST(RoomChunks, TwoRoomsWithADoorAreTwoChunks) {
     const auto chunks = content(*made, rooms_of(*made, static_cast<std::uint32_t>(count * 6 / 10)));
     ASSERT_EQ(chunks.size(), 2u);
     for (const auto& chunk : chunks) {
-        const std::size_t left = chunk.contains("left") ? chunk.at("left") : 0, right = chunk.contains("right") ? chunk.at("right") : 0;
+        const std::size_t left = chunk.contains("left") ? chunk.at("left") : 0,
+                          right = chunk.contains("right") ? chunk.at("right") : 0;
         // The faces of the passage, 1.5 of 150 m2, see both rooms.
         EXPECT_LT(std::min(left, right), std::max(left, right) / 20) << left << " " << right;
         EXPECT_EQ(chunk.contains("box"), left > right) << "the box is with the room that it stands in";
     }
-    EXPECT_EQ(rooms_of(*made, static_cast<std::uint32_t>(count)).layout.chunk_count(), 1u) << "small rooms share a chunk";
+    EXPECT_EQ(rooms_of(*made, static_cast<std::uint32_t>(count)).layout.chunk_count(), 1u)
+        << "small rooms share a chunk";
 }
 
 TEST(RoomChunks, EveryPatchIsInOneChunkWithinTheLimit) {
     const auto made = two_rooms();
-    for (const std::uint32_t limit : {1u, 16u, 50u, 200u, 700u, 2000u, 65536u}) test::expect_valid(made->patches, rooms_of(*made, limit), limit);
+    for (const std::uint32_t limit : {1u, 16u, 50u, 200u, 700u, 2000u, 65536u})
+        test::expect_valid(made->patches, rooms_of(*made, limit), limit);
 }
 
 TEST(RoomChunks, ALargeRoomIsCut) {
@@ -109,9 +115,11 @@ TEST(RoomChunks, AMovedBoxLeavesOtherRoomsAlone) {
         std::size_t elsewhere = 0;
         for (std::size_t c = 0; c < sets.size(); ++c) {
             // Faces around the door of the first room see the box.
-            if (contents[c].contains("box") || contents[c].contains("room 0") || contents[c].contains("room 1")) continue;
+            if (contents[c].contains("box") || contents[c].contains("room 0") || contents[c].contains("room 1"))
+                continue;
             ++elsewhere;
-            EXPECT_TRUE(moved.contains({sets[c].begin(), sets[c].end()})) << "chunk " << c << " of " << sets[c].size() << ", limit " << limit;
+            EXPECT_TRUE(moved.contains({sets[c].begin(), sets[c].end()}))
+                << "chunk " << c << " of " << sets[c].size() << ", limit " << limit;
         }
         EXPECT_GE(elsewhere, 1u);
     }
@@ -121,7 +129,8 @@ TEST(RoomChunks, FacesThatSeeNothingArePutTogether) {
     // The outer faces of 40 boxes far apart: each sees only the open.
     SceneMaker maker;
     for (int k = 0; k < 40; ++k)
-        maker.add("box " + std::to_string(k), test::moved(test::box(1, 1, 1), {4.0f * static_cast<float>(k % 8), 0, 400.0f * static_cast<float>(k / 8)}));
+        maker.add("box " + std::to_string(k), test::moved(test::box(1, 1, 1), {4.0f * static_cast<float>(k % 8), 0,
+                                                                               400.0f * static_cast<float>(k / 8)}));
     const auto made = test::prepare(maker.build(), {.texels_per_metre = 8, .page_size = 512});
     const std::uint32_t limit = 200;
     const Tiling tiling = rooms_of(*made, limit);
@@ -129,9 +138,8 @@ TEST(RoomChunks, FacesThatSeeNothingArePutTogether) {
     EXPECT_LE(tiling.layout.chunk_count(), 4 * made->patches.count() / limit + 1);
 }
 
-/// Nodes of 100 patches each, in rooms that see the next one by a door.
 TEST(RoomChunks, HalfFullChunksAreGivenAway) {
-    // Three rooms fit into a chunk. Joined two by two, twelve rooms would need six chunks.
+    // Rooms in a row, of one cell each, three to a chunk. Joined two by two, twelve of them would need six chunks.
     constexpr std::uint32_t rooms = 12, size = 100;
     SightCells cells;
     SightGraph graph;

@@ -1,4 +1,5 @@
-/// The tree of rooms: what sees each other most is joined first, never beyond the limit, whatever the numbers of the nodes.
+/// The tree of rooms: what sees each other most is joined first, never beyond the limit, whatever the numbers of the
+/// nodes.
 #include "baker/chunks/room_tree.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +37,8 @@ Pairs rooms_in_a_row(std::uint32_t rooms, std::uint32_t cells, unsigned seed) {
     for (std::uint32_t r = 0; r < rooms; ++r)
         for (std::uint32_t i = r * cells; i < (r + 1) * cells; ++i) {
             for (std::uint32_t j = i + 1; j < (r + 1) * cells; ++j) pairs[{i, j}] = 50 + random() % 50;
-            if (r + 1 < rooms) pairs[{i, (r + 1) * cells + static_cast<std::uint32_t>(random() % cells)}] = 1 + random() % 5;
+            if (r + 1 < rooms)
+                pairs[{i, (r + 1) * cells + static_cast<std::uint32_t>(random() % cells)}] = 1 + random() % 5;
         }
     return pairs;
 }

@@ -43,8 +43,10 @@ TEST(SightCells, HoldOneSideWithinOneCube) {
                 met[p] = true;
                 EXPECT_EQ(cells.cell_of[p], c);
                 EXPECT_EQ(patch.chart, first.chart);
-                EXPECT_GT(patch.normal.dot(first.normal), -0.34f) << "normals that are nearest to one axis are 110 degrees apart at most";
-                for (int k = 0; k < 3; ++k) EXPECT_LE(std::fabs(static_cast<double>(patch.center[k]) - cells.middle[c][k]), edge_m / 2);
+                EXPECT_GT(patch.normal.dot(first.normal), -0.34f)
+                    << "normals that are nearest to one axis are 110 degrees apart at most";
+                for (int k = 0; k < 3; ++k)
+                    EXPECT_LE(std::fabs(static_cast<double>(patch.center[k]) - cells.middle[c][k]), edge_m / 2);
                 least = std::min(least, patch.id);
             }
             EXPECT_GT(least, before) << "in the order of their smallest ids";

@@ -106,7 +106,8 @@ TEST(SpaceHalving, SizesCountAndLargeThingsStandAlone) {
     const std::vector<std::uint32_t> sizes{2, 3, 4, 9, 1};
     using Groups = std::vector<std::vector<std::uint32_t>>;
     EXPECT_EQ(halve_space(places, sizes, {0, 1, 2, 3, 4}, 5), (Groups{{3}, {0, 1}, {2, 4}}));
-    EXPECT_EQ(halve_space(places, sizes, {0, 2, 4}, 4), (Groups{{0}, {2}, {4}})) << "things at one place, in their order";
+    EXPECT_EQ(halve_space(places, sizes, {0, 2, 4}, 4), (Groups{{0}, {2}, {4}}))
+        << "things at one place, in their order";
     EXPECT_EQ(halve_space(places, sizes, {4, 1}, 100), (Groups{{4, 1}}));
     EXPECT_TRUE(halve_space(places, sizes, {}, 1).empty());
 }
