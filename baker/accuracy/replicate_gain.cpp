@@ -193,7 +193,7 @@ ReplicateGains replicate_gains(std::span<const EvidenceFile> files, const LightS
         const BlockFileReader file(entry.path, FileKind::evidence, evidence_version, &entry.key);
         for (std::size_t k = 0; k < file.blocks().size(); ++k) {
             const std::string where = file.name() + ": block " + std::to_string(k);
-            tally.add(decode_evidence(file.read(k), where), where);
+            tally.add(read_evidence_block(file, k), where);
         }
     }
     return tally.gains();

@@ -1,20 +1,47 @@
 #include "baker/bake/stage_files.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace luxel {
 namespace {
 
 constexpr std::uint32_t version = 1;
+/// A double holds every whole number up to here.
+constexpr double most_whole = 9007199254740992.0;
+
+[[noreturn]] void damaged(const BlockFileReader& file, const std::string& what) {
+    throw Error(ErrorCode::damaged_store, file.name(), what, "remove the file and run the same command again");
+}
 
 void check_size(const BlockFileReader& file, std::size_t found, std::size_t expected, const char* column) {
     if (found != expected)
-        throw Error(ErrorCode::damaged_store, file.name(),
-                    std::string("column ") + column + " has " + std::to_string(found) + " numbers, expected " +
-                        std::to_string(expected),
-                    "remove the file and run the same command again");
+        damaged(file, std::string("column ") + column + " has " + std::to_string(found) + " numbers, expected " +
+                          std::to_string(expected));
 }
 
-void check_blocks(const BlockFileReader& file, std::size_t expected) {
-    check_size(file, file.blocks().size(), expected, "count");
+/// Column `index`: `count` finite numbers.
+template <class T>
+std::vector<T> finite_column(const BlockFileReader& file, std::size_t index, std::size_t count, const char* column) {
+    std::vector<T> values = read_column<T>(file, index);
+    check_size(file, values.size(), count, column);
+    for (std::size_t k = 0; k < count; ++k)
+        if (!std::isfinite(values[k]))
+            damaged(file, std::string("column ") + column + ": number " + std::to_string(k) + " is not finite");
+    return values;
+}
+
+/// A count that is stored as a double.
+std::uint64_t whole(const BlockFileReader& file, double value, double most, const char* column) {
+    if (!(value >= 0 && value <= most) || value != std::floor(value))
+        damaged(file, std::string("column ") + column + ": " + std::to_string(value) + " is not a count");
+    return static_cast<std::uint64_t>(value);
+}
+
+/// A bound of the error: infinite before there is one.
+double bound(const BlockFileReader& file, double value) {
+    if (!(value >= 0)) damaged(file, "an error bound of " + std::to_string(value));
+    return value;
 }
 
 std::vector<double> flat(const std::vector<Channels>& values) {
@@ -52,13 +79,13 @@ void save_plan(const std::filesystem::path& path, const Key& key, const LevelPla
 std::optional<LevelPlan> load_plan(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::plan, version, &key);
-    check_blocks(file, 2);
+    require_numbered_blocks(file, 2);
     const auto first = read_column<std::uint8_t>(file, 0), last = read_column<std::uint8_t>(file, 1);
     check_size(file, first.size(), patch_count, "first");
     check_size(file, last.size(), patch_count, "last");
     LevelPlan plan;
     for (std::size_t p = 0; p < patch_count; ++p) {
-        if (last[p] > highest_level) throw Error(ErrorCode::damaged_store, file.name(), "a level above " + std::to_string(highest_level));
+        if (last[p] > highest_level || first[p] > last[p] + 1) damaged(file, "levels of patch " + std::to_string(p) + " are out of order");
         plan.levels.push_back({first[p], last[p]});
     }
     return plan;
@@ -80,18 +107,16 @@ void save_closure(const std::filesystem::path& path, const Key& key, const Closu
 std::optional<Closure> load_closure(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::closure, version, &key);
-    check_blocks(file, 4);
+    require_numbered_blocks(file, 4);
     Closure closure;
-    closure.mu = read_column<double>(file, 0);
-    closure.diagonal_m2 = read_column<double>(file, 1);
-    closure.row_open_m2 = read_column<double>(file, 2);
-    const auto report = read_column<double>(file, 3);
-    check_size(file, closure.mu.size(), patch_count, "mu");
-    check_size(file, closure.diagonal_m2.size(), patch_count, "diagonal");
-    check_size(file, closure.row_open_m2.size(), patch_count, "open");
-    check_size(file, report.size(), 11, "report");
-    closure.report = {static_cast<std::uint32_t>(report[0]), report[1], report[2], report[3], report[4], report[5], report[6],
-                      static_cast<std::uint64_t>(report[7]), report[8], report[9], report[10]};
+    closure.mu = finite_column<double>(file, 0, patch_count, "mu");
+    if (std::any_of(closure.mu.begin(), closure.mu.end(), [](double mu) { return mu < 0; })) damaged(file, "a negative mu");
+    closure.diagonal_m2 = finite_column<double>(file, 1, patch_count, "diagonal");
+    closure.row_open_m2 = finite_column<double>(file, 2, patch_count, "open");
+    const auto report = finite_column<double>(file, 3, 11, "report");
+    closure.report = {static_cast<std::uint32_t>(whole(file, report[0], 0xffffffff, "report")), report[1], report[2],
+                      report[3], report[4], report[5], report[6], whole(file, report[7], most_whole, "report"),
+                      report[8], report[9], report[10]};
     return closure;
 }
 
@@ -115,26 +140,21 @@ void save_solution(const std::filesystem::path& path, const Key& key, const Solv
 std::optional<SolveResult> load_solution(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::solution, version, &key);
-    check_blocks(file, 6);
+    require_numbered_blocks(file, 6);
     SolveResult result;
-    const auto radiosity = read_column<double>(file, 0), unshot = read_column<double>(file, 1);
+    result.radiosity = channels(finite_column<double>(file, 0, 3 * patch_count, "radiosity"));
+    result.unshot = channels(finite_column<double>(file, 1, 3 * patch_count, "unshot"));
+    result.irradiance = channels(finite_column<double>(file, 5, 3 * patch_count, "irradiance"));
     const auto report = read_column<double>(file, 2), history = read_column<double>(file, 3);
-    const auto irradiance = read_column<double>(file, 5);
-    check_size(file, radiosity.size(), 3 * patch_count, "radiosity");
-    check_size(file, irradiance.size(), 3 * patch_count, "irradiance");
-    check_size(file, unshot.size(), 3 * patch_count, "unshot");
     check_size(file, report.size(), 3, "report");
     check_size(file, history.size() % 2, 0, "history");
-    result.radiosity = channels(radiosity);
-    result.unshot = channels(unshot);
-    result.irradiance = channels(irradiance);
-    result.error_bound = report[0];
+    result.error_bound = bound(file, report[0]);
     result.reads = report[1];
-    result.converged = report[2] != 0;
+    if (!(result.reads >= 0 && std::isfinite(result.reads))) damaged(file, "reads of " + std::to_string(result.reads));
+    result.converged = whole(file, report[2], 1, "report") != 0;
     for (std::size_t k = 0; k < history.size(); k += 2)
-        result.history.push_back({static_cast<std::uint64_t>(history[k]), history[k + 1]});
-    const Bytes name = file.read(4);
-    result.solver.assign(name.begin(), name.end());
+        result.history.push_back({whole(file, history[k], most_whole, "history"), bound(file, history[k + 1])});
+    result.solver = read_name(file, 4);
     return result;
 }
 
@@ -149,12 +169,10 @@ void save_accuracy(const std::filesystem::path& path, const Key& key, const Stan
 std::optional<StandardError> load_accuracy(const std::filesystem::path& path, const Key& key, std::size_t patch_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::accuracy, version, &key);
-    check_blocks(file, 3);
-    const auto radiosity = read_column<double>(file, 0), irradiance = read_column<double>(file, 1);
-    const auto relative = read_column<double>(file, 2);
-    check_size(file, radiosity.size(), 3 * patch_count, "radiosity");
-    check_size(file, irradiance.size(), 3 * patch_count, "irradiance");
-    check_size(file, relative.size(), 1, "relative");
+    require_numbered_blocks(file, 3);
+    const auto radiosity = finite_column<double>(file, 0, 3 * patch_count, "radiosity");
+    const auto irradiance = finite_column<double>(file, 1, 3 * patch_count, "irradiance");
+    const auto relative = finite_column<double>(file, 2, 1, "relative");
     return StandardError{channels(radiosity), channels(irradiance), relative[0]};
 }
 
@@ -168,9 +186,8 @@ std::optional<std::vector<Rgb>> load_lightmap(const std::filesystem::path& path,
                                               std::size_t texel_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::lightmap, version, &key);
-    check_blocks(file, 1);
-    const auto values = read_column<float>(file, 0);
-    check_size(file, values.size(), 3 * texel_count, "irradiance");
+    require_numbered_blocks(file, 1);
+    const auto values = finite_column<float>(file, 0, 3 * texel_count, "irradiance");
     std::vector<Rgb> irradiance(texel_count);
     for (std::size_t k = 0; k < texel_count; ++k)
         irradiance[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};

@@ -43,12 +43,7 @@ void load_whole(const std::string& stage, const std::filesystem::path& path, con
     if (stage == "closure") load_closure(path, key, elements(file, 0, 8));
     if (stage == "solution") load_solution(path, key, elements(file, 0, 24));
     if (stage == "accuracy") load_accuracy(path, key, elements(file, 0, 24));
-    if (stage == "lightmaps") {
-        const auto irradiance = load_lightmap(path, key, elements(file, 0, 12));
-        for (const Rgb& value : *irradiance)
-            if (!std::isfinite(value.x) || !std::isfinite(value.y) || !std::isfinite(value.z))
-                throw Error(ErrorCode::damaged_store, file.name() + ": block 0", "a texel is not a finite number");
-    }
+    if (stage == "lightmaps") load_lightmap(path, key, elements(file, 0, 12));
     if (stage == "strips") {
         read_tallies(file);
         read_strip_directory(file);
@@ -122,8 +117,10 @@ class Verifier {
         std::vector<std::optional<Finding>> found(file.blocks().size());
         parallel_for(found.size(), 1, [&](std::size_t k) {
             try {
-                const Bytes raw = file.read(k);
-                if (stage == "evidence") decode_evidence(raw, file.name() + ": block " + std::to_string(k));
+                if (stage == "evidence")
+                    read_evidence_block(file, k);
+                else
+                    (void)file.read(k);
             } catch (const Error& error) {
                 found[k] = finding_of(error);
             }

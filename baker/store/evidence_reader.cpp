@@ -10,7 +10,7 @@ namespace {
 NumberedEvidence read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids) {
     NumberedEvidence found;
     found.where = file.name() + ": block " + std::to_string(index);
-    found.block = decode_evidence(file.read(index), found.where);
+    found.block = read_evidence_block(file, index);
     found.targets.reserve(found.block.targets.size());
     for (const PatchId id : found.block.targets) found.targets.push_back(ids.find(id, found.where));
     found.patches.reserve(found.block.rows.size());

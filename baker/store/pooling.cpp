@@ -72,7 +72,7 @@ struct Place {
 
 NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids, const ChunkLayout& layout) {
     const std::string where = file.name() + ": block " + std::to_string(index);
-    const EvidenceBlock block = decode_evidence(file.read(index), where);
+    const EvidenceBlock block = read_evidence_block(file, index);
     // Each target is looked for once per block, not once per pair.
     std::vector<Place> targets;
     targets.reserve(block.targets.size());

@@ -18,6 +18,9 @@ struct Chart {
     std::uint32_t first = 0, count = 0;   ///< run in Atlas::chart_triangles
 };
 
+/// Sides that a page may have, in texels.
+constexpr std::uint32_t smallest_page = 16, largest_page = 16384;
+
 struct Atlas {
     float texels_per_metre = 0;
     std::uint32_t page_size = 0;  ///< pages are square, in texels

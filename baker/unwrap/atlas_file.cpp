@@ -44,10 +44,16 @@ class Checker {
     void run() {
         if (!(atlas_.texels_per_metre > 0) || !std::isfinite(atlas_.texels_per_metre))
             fail(fmt::format("{} texels per metre", atlas_.texels_per_metre));
+        // unwrap() gives no page without a chart: a larger number would only ask for memory.
+        if (atlas_.page_size < smallest_page || atlas_.page_size > largest_page || atlas_.page_count > atlas_.charts.size() ||
+            atlas_.padding > atlas_.page_size / 8)
+            fail(fmt::format("{} pages of {} texels with padding {} for {} charts", atlas_.page_count, atlas_.page_size,
+                             atlas_.padding, atlas_.charts.size()));
         atlas_.triangle_chart.assign(scene_.triangle_count(), none);
         std::uint64_t next = 0;
         for (std::uint32_t c = 0; c < atlas_.charts.size(); ++c) {
             const Chart& chart = atlas_.charts[c];
+            check_order(c, chart);
             check_place(c, chart);
             if (chart.first != next || chart.count == 0 || chart.count > atlas_.chart_triangles.size() - next)
                 fail(fmt::format("chart {}: triangles {} + {}, expected to start at {}", c, chart.first, chart.count,
@@ -60,6 +66,13 @@ class Checker {
     }
 
   private:
+    /// Charts are grouped by object, and those of an object are numbered: the number is part of patch ids.
+    void check_order(std::uint32_t c, const Chart& chart) const {
+        const Chart* const before = c > 0 ? &atlas_.charts[c - 1] : nullptr;
+        const bool same_object = before && before->object == chart.object;
+        if ((before && before->object > chart.object) || chart.ordinal != (same_object ? before->ordinal + 1 : 0))
+            fail(fmt::format("chart {}: number {} of object {} is out of order", c, chart.ordinal, chart.object));
+    }
     void check_place(std::uint32_t c, const Chart& chart) const {
         const std::uint64_t size = atlas_.page_size;
         if (chart.object >= scene_.objects.size()) fail(fmt::format("chart {}: object {}", c, chart.object));
@@ -114,8 +127,7 @@ Atlas load_atlas(const std::filesystem::path& path, const Key& key, const Scene&
     const BlockFileReader file(path, FileKind::atlas, atlas_version, &key);
     Atlas atlas;
     Checker checker(file.name(), scene, atlas);
-    if (file.blocks().size() != column_count)
-        checker.fail(fmt::format("{} columns, expected {}", file.blocks().size(), std::size_t{column_count}));
+    require_numbered_blocks(file, column_count);
     const auto header = read_column<std::uint32_t>(file, header_column);
     if (header.size() != header_fields) checker.fail("the header has the wrong size");
     atlas.texels_per_metre = std::bit_cast<float>(header[0]);

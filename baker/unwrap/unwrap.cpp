@@ -40,8 +40,9 @@ void check_options(const UnwrapOptions& options) {
     const auto fail = [](const std::string& what, const std::string& hint) {
         throw Error(ErrorCode::usage, "unwrap", what, hint);
     };
-    if (options.page_size < 16 || options.page_size > 16384)
-        fail(fmt::format("atlas size {} is not in 16 .. 16384", options.page_size), "give --atlas-size 1024");
+    if (options.page_size < smallest_page || options.page_size > largest_page)
+        fail(fmt::format("atlas size {} is not in {} .. {}", options.page_size, smallest_page, largest_page),
+             "give --atlas-size 1024");
     if (options.padding > options.page_size / 8)
         fail(fmt::format("padding {} is more than an eighth of the atlas size {}", options.padding, options.page_size),
              "give a smaller --padding");

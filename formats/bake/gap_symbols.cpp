@@ -79,7 +79,8 @@ StripPairs decode_gaps(ByteView bytes, bool diagonal, const std::string& where) 
     ByteCursor in(bytes, where);
     const std::uint64_t rows = in.get_varint("rows"), columns = in.get_varint("columns"), pairs = in.get_varint("pair count");
     if (rows == 0 || rows > max_side || columns == 0 || columns > max_side) in.fail("size", "not in 1 .. 65536");
-    if (pairs == 0 || pairs > rows * columns) in.fail("pair count", "zero or more than the block holds");
+    if (pairs == 0 || pairs > rows * columns || pairs > 0xffffffffu)
+        in.fail("pair count", "zero or more than the block holds");
     Streams streams;
     std::uint64_t symbol_count = 0;
     for (std::size_t c = 0; c < class_count; ++c) {

@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::size_t block_count = 6;
 constexpr std::uint32_t max_chunk_patches = 65536;
-constexpr std::size_t max_name_bytes = 64;
 
 [[noreturn]] void damaged(const BlockFileReader& file, const std::string& what) {
     throw Error(ErrorCode::damaged_store, file.name(), what, "remove the file and run the same bake again");
@@ -40,10 +39,7 @@ void save_patches(const std::filesystem::path& path, const Key& strips, const Pa
 
 PatchesFile load_patches(const std::filesystem::path& path, const Key& strips) {
     const BlockFileReader file(path, FileKind::patches, patches_version, &strips);
-    if (file.blocks().size() != block_count)
-        damaged(file, std::to_string(file.blocks().size()) + " blocks, expected " + std::to_string(block_count));
-    for (std::size_t k = 0; k < block_count; ++k)
-        if (file.blocks()[k].tag != k) damaged(file, "block " + std::to_string(k) + " has another tag");
+    require_numbered_blocks(file, block_count);
     PatchesFile patches;
     patches.ids = read_column<std::uint64_t>(file, 0);
     patches.area_m2 = read_column<double>(file, 1);
@@ -60,10 +56,7 @@ PatchesFile load_patches(const std::filesystem::path& path, const Key& strips) {
     if (rounds.size() % 2 || closure.size() != 2) damaged(file, "a key is not 16 bytes long");
     for (std::size_t k = 0; k < rounds.size(); k += 2) patches.evidence.push_back({rounds[k], rounds[k + 1]});
     patches.closure = {closure[0], closure[1]};
-    const Bytes name = file.read(5);
-    if (name.size() > max_name_bytes || std::any_of(name.begin(), name.end(), [](std::uint8_t c) { return c < 32 || c > 126; }))
-        damaged(file, "the estimator's name is not up to 64 printable characters");
-    patches.estimator.assign(name.begin(), name.end());
+    patches.estimator = read_name(file, 5);
     return patches;
 }
 

@@ -45,6 +45,18 @@ std::vector<std::uint64_t> get_occupied(ByteCursor& in, std::span<const std::uin
     return words;
 }
 
+[[noreturn]] void damaged(const BlockFileReader& file, const std::string& what) {
+    throw Error(ErrorCode::damaged_store, file.name(), what, "remove the file and run the same command again");
+}
+
+/// The blocks before the pairs are there and in their places.
+void check_fixed_blocks(const BlockFileReader& file) {
+    if (file.blocks().size() < first_pair_block) damaged(file, "fewer blocks than a strip has");
+    for (std::size_t k = 0; k < first_pair_block; ++k)
+        if (file.blocks()[k].tag != k)
+            damaged(file, "block " + std::to_string(k) + " has the tag " + std::to_string(file.blocks()[k].tag));
+}
+
 PairCodec gap_codec(bool diagonal) { return diagonal ? PairCodec::gap_symbols_above_diagonal : PairCodec::gap_symbols; }
 
 }  // namespace
@@ -74,7 +86,8 @@ StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where) 
     const std::uint64_t rows = in.get_varint("rows"), columns = in.get_varint("columns");
     const std::uint64_t pair_count = in.get_varint("pair count");
     if (rows == 0 || rows > max_side || columns == 0 || columns > max_side) in.fail("size", "not in 1 .. 65536");
-    if (pair_count == 0 || pair_count > rows * columns) in.fail("pair count", "zero or more than the block holds");
+    if (pair_count == 0 || pair_count > rows * columns || pair_count > 0xffffffffu)
+        in.fail("pair count", "zero or more than the block holds");
     block.rows = static_cast<std::uint32_t>(rows);
     block.columns = static_cast<std::uint32_t>(columns);
     const std::uint64_t words_per_row = (columns + 63) / 64, words = rows * words_per_row;
@@ -132,17 +145,20 @@ StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where)
 }
 
 StripTallies read_tallies(const BlockFileReader& file) {
-    if (file.blocks().size() < first_pair_block)
-        throw Error(ErrorCode::damaged_store, file.name(), "fewer blocks than a strip has");
+    check_fixed_blocks(file);
     StripTallies tallies{read_column<std::uint32_t>(file, 0), read_column<std::uint32_t>(file, 1),
                          read_column<std::uint32_t>(file, 2), read_column<std::uint32_t>(file, 3)};
     const std::size_t count = tallies.rays.size();
     if (tallies.self.size() != count || tallies.open.size() != count || tallies.back.size() != count)
-        throw Error(ErrorCode::damaged_store, file.name(), "tally columns differ in length");
+        damaged(file, "tally columns differ in length");
+    for (std::size_t k = 0; k < count; ++k)
+        if (std::uint64_t{tallies.self[k]} + tallies.open[k] + tallies.back[k] > tallies.rays[k])
+            damaged(file, "patch " + std::to_string(k) + " of the strip: more rays have ended than were sent");
     return tallies;
 }
 
 std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file) {
+    check_fixed_blocks(file);
     const Bytes raw = file.read(4);
     ByteCursor in(raw, file.name() + ": directory");
     const auto count = in.get<std::uint64_t>("block count");
@@ -153,6 +169,8 @@ std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file) {
         info.b = in.get<std::uint32_t>("chunk b");
         info.pair_count = in.get<std::uint64_t>("pair count");
         if (!directory.empty() && info.b <= directory.back().b) in.fail("chunk b", "not ascending");
+        if (info.pair_count == 0) in.fail("pair count", "a block without pairs");
+        if (file.blocks()[first_pair_block + k].tag != first_pair_block + info.b) in.fail("chunk b", "the block has another tag");
         directory.push_back(info);
     }
     in.expect_end("directory");

@@ -1,5 +1,7 @@
 #include "formats/base/block_file.h"
 
+#include <algorithm>
+
 #include "formats/base/compress.h"
 
 namespace luxel {
@@ -194,6 +196,23 @@ Bytes BlockFileReader::read(std::size_t index) const {
     if (entry.codec == Codec::zstd) return decompress(stored, entry.raw_bytes, where);
     if (stored.size() != entry.raw_bytes) damaged(where, "raw block of another size than its index entry");
     return stored;
+}
+
+void require_numbered_blocks(const BlockFileReader& file, std::size_t count) {
+    const std::vector<BlockEntry>& blocks = file.blocks();
+    if (blocks.size() != count)
+        damaged(file.name(), std::to_string(blocks.size()) + " blocks, expected " + std::to_string(count));
+    for (std::size_t k = 0; k < count; ++k)
+        if (blocks[k].tag != k)
+            damaged(file.name(), "block " + std::to_string(k) + " has the tag " + std::to_string(blocks[k].tag));
+}
+
+std::string read_name(const BlockFileReader& file, std::size_t index) {
+    const Bytes name = file.read(index);
+    const auto printable = [](std::uint8_t c) { return c >= 32 && c <= 126; };
+    if (name.size() > 64 || !std::all_of(name.begin(), name.end(), printable))
+        damaged(file.name(), "the name in block " + std::to_string(index) + " is not up to 64 printable characters");
+    return {name.begin(), name.end()};
 }
 
 bool block_file_is_whole(const std::filesystem::path& path, FileKind kind, std::uint32_t version, const Key& key) {

@@ -93,6 +93,12 @@ class BlockFileReader {
 /// Is a whole file of this kind, version and key there? Any damage counts as "no".
 bool block_file_is_whole(const std::filesystem::path& path, FileKind kind, std::uint32_t version, const Key& key);
 
+/// The kinds whose blocks are numbered: throws Error{damaged_store} unless there are `count` blocks with the tags 0, 1, 2, ...
+void require_numbered_blocks(const BlockFileReader& file, std::size_t count);
+
+/// Block `index` as a name: up to 64 printable characters of ASCII. Throws Error{damaged_store}.
+std::string read_name(const BlockFileReader& file, std::size_t index);
+
 /// One array of scalars as one block (codec zstd, level 1).
 template <Scalar T>
 void append_column(BlockFileWriter& file, std::uint64_t tag, std::span<const T> values) {
@@ -106,7 +112,8 @@ std::vector<T> read_column(const BlockFileReader& file, std::size_t index) {
     if (bytes.size() % sizeof(T))
         throw Error(ErrorCode::damaged_store, file.name(),
                     "column " + std::to_string(index) + " has " + std::to_string(bytes.size()) +
-                        " bytes, not a multiple of " + std::to_string(sizeof(T)));
+                        " bytes, not a multiple of " + std::to_string(sizeof(T)),
+                    "remove the file and run the same command again");
     std::vector<T> values(bytes.size() / sizeof(T));
     if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
     return values;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "tests/support/damage.h"
@@ -29,22 +31,42 @@ std::vector<Channels> channel_numbers(std::size_t count, unsigned seed) {
     return values;
 }
 
-/// Every flipped byte and every other size or key is refused; an absent file is no value.
+/// Damage and every other size or key are refused; an absent file is no value.
 void expect_careful(const std::filesystem::path& path, const std::function<bool(const Key&, std::size_t)>& load,
                     std::size_t count) {
     EXPECT_TRUE(load(key, count));
     for (const std::size_t other : {count - 1, count + 1})
-        EXPECT_TRUE(test::refused({}, [&](ByteView) { load(key, other); })) << other;
-    EXPECT_TRUE(test::refused({}, [&](ByteView) { load(other_key, count); })) << "another key";
+        EXPECT_TRUE(test::file_refused(path, [&] { load(key, other); })) << other;
+    EXPECT_TRUE(test::file_refused(path, [&] { load(other_key, count); })) << "another key";
+    test::expect_guarded(path, [&] { load(key, count); });
+    test::expect_tags_guarded(path, [&] { load(key, count); });
+    const auto loads = [&] { load(key, count); };
     const Bytes whole = read_file(path);
-    for (std::size_t at = 0; at < whole.size(); at += 11) {
-        Bytes bytes = whole;
-        bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ 4);
-        publish_file(path, bytes);
-        EXPECT_TRUE(test::refused({}, [&](ByteView) { load(key, count); })) << "byte " << at;
+    for (std::size_t block = 0; block < test::contents_of(path).parts.size(); ++block) {
+        test::rewrite(path, [&](auto& file) { file.parts.erase(file.parts.begin() + static_cast<std::ptrdiff_t>(block)); });
+        EXPECT_TRUE(test::file_refused(path, loads)) << "without block " << block;
+        publish_file(path, whole);
     }
     std::filesystem::remove(path);
     EXPECT_FALSE(load(key, count));
+}
+
+/// The file with number `at` of column `block` replaced, all checksums right; then the file as it was.
+template <class T>
+bool refuses(const std::filesystem::path& path, std::size_t block, std::size_t at, T value, const std::function<void()>& load) {
+    const Bytes whole = read_file(path);
+    test::rewrite(path, [&](auto& file) { test::set_element<T>(file.parts[block], at, value); });
+    const bool refused = test::file_refused(path, load);
+    publish_file(path, whole);
+    return refused;
+}
+
+/// No number of these columns may be infinite or not a number.
+template <class T>
+void expect_finite(const std::filesystem::path& path, std::initializer_list<std::size_t> columns, const std::function<void()>& load) {
+    for (const std::size_t block : columns)
+        for (const T value : {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()})
+            EXPECT_TRUE(refuses<T>(path, block, 0, value, load)) << value << " in column " << block;
 }
 
 TEST(StageFiles, Closure) {
@@ -69,6 +91,12 @@ TEST(StageFiles, Closure) {
     EXPECT_EQ(found->report.short_share, 1e-5);
     EXPECT_EQ(found->report.largest_change, 0.75);
     EXPECT_EQ(found->report.mean_change, 0.125);
+    const auto load = [&] { load_closure(folder / "c", key, 20); };
+    expect_finite<double>(folder / "c", {0, 1, 2, 3}, load);
+    EXPECT_TRUE(refuses(folder / "c", 0, 3, -1e-300, load)) << "a negative mu";
+    EXPECT_FALSE(refuses(folder / "c", 1, 3, -1e-300, load)) << "a remainder may be negative";
+    for (const double count : {-1.0, 0.5, 4294967296.0}) EXPECT_TRUE(refuses(folder / "c", 3, 0, count, load)) << count << " iterations";
+    for (const double count : {-1.0, 0.5, 1e300}) EXPECT_TRUE(refuses(folder / "c", 3, 7, count, load)) << count << " short rows";
     expect_careful(
         folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);
 }
@@ -99,17 +127,59 @@ TEST(StageFiles, Solution) {
         EXPECT_EQ(found->history[1].bytes_read, 1ULL << 40);
         EXPECT_EQ(found->history[1].error_bound, 1e-4);
     }
+    const auto load = [&] { load_solution(folder / "s", key, 15); };
+    const double infinite = std::numeric_limits<double>::infinity(), no_number = std::nan("");
+    expect_finite<double>(folder / "s", {0, 1, 5}, load);
+    for (const double bound : {-1.0, no_number}) {
+        EXPECT_TRUE(refuses(folder / "s", 2, 0, bound, load)) << "bound " << bound;
+        EXPECT_TRUE(refuses(folder / "s", 3, 3, bound, load)) << "bound " << bound << " of a step";
+    }
+    EXPECT_FALSE(refuses(folder / "s", 2, 0, infinite, load)) << "before there is a bound";
+    EXPECT_FALSE(refuses(folder / "s", 3, 1, infinite, load)) << "before there is a bound";
+    for (const double reads : {-1.0, infinite, no_number}) EXPECT_TRUE(refuses(folder / "s", 2, 1, reads, load)) << "reads " << reads;
+    for (const double flag : {-1.0, 0.5, 2.0, no_number}) EXPECT_TRUE(refuses(folder / "s", 2, 2, flag, load)) << "converged " << flag;
+    for (const double bytes : {-1.0, 0.5, 1e16, infinite, no_number})
+        EXPECT_TRUE(refuses(folder / "s", 3, 2, bytes, load)) << bytes << " bytes";
+    EXPECT_TRUE(refuses<std::uint8_t>(folder / "s", 4, 0, 7, load)) << "a name with a bell";
     expect_careful(
         folder / "s", [&](const Key& k, std::size_t n) { return load_solution(folder / "s", k, n).has_value(); }, 15);
+}
+
+TEST(StageFiles, Plan) {
+    const test::TemporaryFolder folder;
+    const LevelPlan plan{{{0, 6}, no_levels, {7, 7}, {7, 6}, {21, 20}, {0, 20}, {3, 9}}};
+    save_plan(folder / "p", key, plan);
+    EXPECT_EQ(load_plan(folder / "p", key, 7), plan);
+    const auto load = [&] { load_plan(folder / "p", key, 7); };
+    EXPECT_TRUE(refuses<std::uint8_t>(folder / "p", 1, 5, 21, load)) << "a level above the highest";
+    EXPECT_TRUE(refuses<std::uint8_t>(folder / "p", 0, 0, 8, load)) << "levels left out";
+    EXPECT_TRUE(refuses<std::uint8_t>(folder / "p", 0, 0, 255, load)) << "levels out of order";
+    expect_careful(
+        folder / "p", [&](const Key& k, std::size_t n) { return load_plan(folder / "p", k, n).has_value(); }, 7);
+}
+
+TEST(StageFiles, Accuracy) {
+    const test::TemporaryFolder folder;
+    const StandardError error{channel_numbers(9, 8), channel_numbers(9, 9), 0.125};
+    save_accuracy(folder / "a", key, error);
+    const auto found = load_accuracy(folder / "a", key, 9);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->radiosity, error.radiosity);
+    EXPECT_EQ(found->irradiance, error.irradiance);
+    EXPECT_EQ(found->relative, 0.125);
+    expect_finite<double>(folder / "a", {0, 1, 2}, [&] { load_accuracy(folder / "a", key, 9); });
+    expect_careful(
+        folder / "a", [&](const Key& k, std::size_t n) { return load_accuracy(folder / "a", k, n).has_value(); }, 9);
 }
 
 TEST(StageFiles, Lightmap) {
     const test::TemporaryFolder folder;
     std::vector<Rgb> irradiance;
-    for (const Channels& c : channel_numbers(25, 7))
-        irradiance.emplace_back(static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2]));
+    const auto single = [](double value) { return static_cast<float>(std::ldexp(value, -60)); };  // within its range
+    for (const Channels& c : channel_numbers(25, 7)) irradiance.emplace_back(single(c[0]), single(c[1]), single(c[2]));
     save_lightmap(folder / "l", key, irradiance);
     EXPECT_EQ(load_lightmap(folder / "l", key, 25), irradiance);
+    expect_finite<float>(folder / "l", {0}, [&] { load_lightmap(folder / "l", key, 25); });
     expect_careful(
         folder / "l", [&](const Key& k, std::size_t n) { return load_lightmap(folder / "l", k, n).has_value(); }, 25);
     save_lightmap(folder / "none", key, {});

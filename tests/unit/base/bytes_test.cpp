@@ -44,6 +44,22 @@ TEST(Bytes, DecompressRefusesOtherSizesAndDamage) {
     EXPECT_THROW((void)decompress({}, 0, "x"), Error);
 }
 
+TEST(Bytes, AFrameIsBelievedNoMoreThanItCanHold) {
+    const Bytes zeros(std::size_t{1} << 24);
+    const Bytes frame = compress(zeros, 3);
+    EXPECT_LT(frame.size() * 30000, zeros.size()) << "this one comes near to the limit";
+    EXPECT_EQ(decompress(frame, zeros.size(), "x"), zeros);
+    Bytes claims{0x28, 0xb5, 0x2f, 0xfd, 0xe0};  // a frame whose header promises 2^40 bytes
+    for (const int byte : {0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0}) claims.push_back(static_cast<std::uint8_t>(byte));
+    try {
+        (void)decompress(claims, std::uint64_t{1} << 40, "x");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::damaged_store);
+        EXPECT_NE(error.what_text.find("cannot hold"), std::string::npos) << error.what_text;
+    }
+}
+
 TEST(Hash, KeysSeparateParts) {
     const Key a = KeyBuilder("t").text("ab").text("c").finish();
     const Key b = KeyBuilder("t").text("a").text("bc").finish();

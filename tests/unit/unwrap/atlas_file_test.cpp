@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "baker/unwrap/unwrap.h"
+#include "tests/support/damage.h"
 #include "tests/unit/unwrap/made_scene.h"
 
 namespace luxel {
@@ -43,41 +44,56 @@ TEST_F(AtlasFile, ComesBackEqual) {
     }
 }
 
+TEST_F(AtlasFile, RefusesDamage) {
+    // One box only: every bit of the file is tried.
+    Scene scene;
+    test::add_object(scene, "box", test::box(1, 2, 3), 1);
+    std::vector<Warning> warnings;
+    save_atlas(path_, key_, unwrap(scene, {}, warnings, {}));
+    const auto load = [&] { load_atlas(path_, key_, scene); };
+    test::expect_guarded(path_, load);
+    test::expect_tags_guarded(path_, load);
+}
+
 TEST_F(AtlasFile, RefusesWhatDoesNotFit) {
     save_atlas(path_, key_, atlas_);
-    EXPECT_THROW(load_atlas(path_, Key{3, 4}, scene_), Error);
+    EXPECT_TRUE(test::file_refused(path_, [&] { load_atlas(path_, Key{3, 4}, scene_); }));
     Scene other;
     test::add_object(other, "box", test::box(1, 2, 3), 1);
-    EXPECT_THROW(load_atlas(path_, key_, other), Error);
+    EXPECT_TRUE(test::file_refused(path_, [&] { load_atlas(path_, key_, other); }));
 
-    const auto refused = [&](const Atlas& damaged) {
+    const auto refused = [&](const std::function<void(Atlas&)>& change) {
+        Atlas damaged = atlas_;
+        change(damaged);
         save_atlas(path_, key_, damaged);
-        EXPECT_THROW(load_atlas(path_, key_, scene_), Error);
+        return test::file_refused(path_, [&] { load_atlas(path_, key_, scene_); });
     };
-    Atlas damaged = atlas_;
-    damaged.corner_uv[5].x = std::numeric_limits<float>::quiet_NaN();
-    refused(damaged);
-    damaged = atlas_;
-    damaged.corner_uv[5].y = -1;
-    refused(damaged);
-    damaged = atlas_;
-    damaged.chart_triangles[1] = damaged.chart_triangles[0];
-    refused(damaged);
-    damaged = atlas_;
-    damaged.charts[0].x = 5000;
-    refused(damaged);
-    damaged = atlas_;
-    damaged.charts[0].count += 1;
-    refused(damaged);
-    damaged = atlas_;
-    damaged.charts.pop_back();
-    refused(damaged);
-    damaged = atlas_;
-    damaged.charts[0].object = 77;
-    refused(damaged);
-    damaged = atlas_;
-    damaged.texels_per_metre = 0;
-    refused(damaged);
+    const float no_number = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+    EXPECT_FALSE(refused([](Atlas&) {}));
+    EXPECT_TRUE(refused([&](Atlas& a) { a.corner_uv[5].x = no_number; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.corner_uv[5].y = -1; }));
+    EXPECT_TRUE(refused([&](Atlas& a) { a.corner_uv[5].y = infinite; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.corner_uv.pop_back(); }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.chart_triangles[1] = a.chart_triangles[0]; })) << "a triangle twice";
+    EXPECT_TRUE(refused([](Atlas& a) { a.chart_triangles[0] = 100000; })) << "a triangle beyond the scene";
+    EXPECT_TRUE(refused([](Atlas& a) { std::swap(a.chart_triangles[0], a.chart_triangles[1]); })) << "triangles out of order";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].x = 5000; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].y = 0xffffffff; })) << "a place that overflows";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].width = 0; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].page = a.page_count; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].count += 1; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].count = 0; })) << "a count of zero";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[1].first = 0; })) << "runs that overlap";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts.pop_back(); }));
+    EXPECT_TRUE(refused([](Atlas& a) { std::swap(a.charts[0], a.charts[1]); })) << "charts out of order";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[1].ordinal = 0; })) << "two charts of one number";
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].object = 77; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].object = 1; })) << "a triangle of another object";
+    EXPECT_TRUE(refused([](Atlas& a) { a.texels_per_metre = 0; }));
+    EXPECT_TRUE(refused([&](Atlas& a) { a.texels_per_metre = no_number; }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.page_size = 16385; })) << "a larger page than any";
+    EXPECT_TRUE(refused([](Atlas& a) { a.page_count = 1000000; })) << "pages without charts";
+    EXPECT_TRUE(refused([](Atlas& a) { a.padding = a.page_size; }));
 }
 
 }  // namespace
