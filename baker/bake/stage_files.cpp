@@ -33,7 +33,7 @@ std::vector<T> finite_column(const BlockFileReader& file, std::size_t index, std
 
 /// A count that is stored as a double.
 std::uint64_t whole(const BlockFileReader& file, double value, double most, const char* column) {
-    if (!(value >= 0 && value <= most) || value != std::floor(value))
+    if (std::signbit(value) || !(value <= most) || value != std::floor(value))
         damaged(file, std::string("column ") + column + ": " + std::to_string(value) + " is not a count");
     return static_cast<std::uint64_t>(value);
 }

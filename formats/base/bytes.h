@@ -84,13 +84,13 @@ class ByteCursor {
     }
     std::uint64_t get_varint(const char* field) {
         std::uint64_t value = 0;
-        for (unsigned shift = 0; shift < 64; shift += 7) {
+        for (unsigned shift = 0;; shift += 7) {
             need(1, field);
             const std::uint8_t byte = bytes_[at_++];
+            if (shift == 63 && byte > 1) fail(field, "varint is 2^64 or more");
             value |= static_cast<std::uint64_t>(byte & 0x7f) << shift;
             if (!(byte & 0x80)) return value;
         }
-        fail(field, "varint longer than 10 bytes");
     }
     std::string get_text(const char* field) {
         const std::uint64_t length = get_varint(field);

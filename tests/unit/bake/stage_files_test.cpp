@@ -95,7 +95,7 @@ TEST(StageFiles, Closure) {
     expect_finite<double>(folder / "c", {0, 1, 2, 3}, load);
     EXPECT_TRUE(refuses(folder / "c", 0, 3, -1e-300, load)) << "a negative mu";
     EXPECT_FALSE(refuses(folder / "c", 1, 3, -1e-300, load)) << "a remainder may be negative";
-    for (const double count : {-1.0, 0.5, 4294967296.0}) EXPECT_TRUE(refuses(folder / "c", 3, 0, count, load)) << count << " iterations";
+    for (const double count : {-1.0, -0.0, 0.5, 4294967296.0}) EXPECT_TRUE(refuses(folder / "c", 3, 0, count, load)) << count << " iterations";
     for (const double count : {-1.0, 0.5, 1e300}) EXPECT_TRUE(refuses(folder / "c", 3, 7, count, load)) << count << " short rows";
     expect_careful(
         folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);

@@ -32,6 +32,11 @@ TEST(Bytes, EndOfInputIsAnErrorThatNamesFieldAndOffset) {
     const Bytes endless(11, 0xff);
     ByteCursor varint(endless, "x");
     EXPECT_THROW((void)varint.get_varint("v"), Error);
+    Bytes large(10, 0xff);
+    large.back() = 1;
+    EXPECT_EQ(ByteCursor(large, "x").get_varint("v"), ~std::uint64_t{0});
+    large.back() = 2;
+    EXPECT_THROW((void)ByteCursor(large, "x").get_varint("v"), Error) << "bits that would be lost";
 }
 
 TEST(Bytes, DecompressRefusesOtherSizesAndDamage) {

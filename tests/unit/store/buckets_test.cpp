@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <map>
 #include <random>
 
 #include "baker/store/pair_sort.h"
 #include "formats/base/error.h"
+#include "tests/support/disk_faults.h"
 #include "tests/support/file_limit.h"
 #include "tests/support/temporary_folder.h"
 
@@ -131,6 +133,35 @@ TEST(PairBuckets, AFullDiskIsToldWithItsByte) {
         }
     }
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "the scratch file has no name";
+}
+
+TEST(PairBuckets, AReadErrorIsToldWithItsByte) {
+    const test::TemporaryFolder folder;
+    PairBuckets buckets(1, 0, folder.path());
+    constexpr std::uint32_t count = 300000;  // three runs of the scratch file
+    for (std::uint32_t k = 0; k < count; ++k) buckets.add(0, k >> 16, k & 0xffff, 0, 1);
+    buckets.settle();
+    const Sums whole = sums_of(buckets, 0);
+    for (std::uint64_t first = 0; first < 3; ++first) {
+        const test::DiskFault fault(test::DiskCall::read, "pooling-", first, EIO);
+        try {
+            sums_of(buckets, 0);
+            ADD_FAILURE() << "nothing was thrown";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::damaged_store);
+            EXPECT_EQ(error.where, folder.path().string());
+            EXPECT_NE(error.what_text.find("at byte " + std::to_string(first << 20) + ": Input/output error"), std::string::npos)
+                << error.what_text;
+            EXPECT_FALSE(error.hint.empty());
+        }
+    }
+    EXPECT_EQ(sums_of(buckets, 0), whole) << "the disk has recovered";
+    const test::DiskFault pieces(test::DiskCall::read, "pooling-", 0, 0);
+    PairBuckets few(1, 0, folder.path());
+    for (std::uint32_t k = 0; k < 100; ++k) few.add(0, k, k, 0, 1 + k);
+    few.settle();
+    EXPECT_EQ(sums_of(few, 0).size(), 100u) << "reads that give only a part";
+    EXPECT_GT(pieces.calls(), 100u);
 }
 
 }  // namespace

@@ -1,0 +1,147 @@
+/// fuzz_seeds FOLDER: small valid inputs for every target, in a folder named after the target. A fuzzer that starts
+/// with them is past the first checks at once.
+#include <cstdio>
+#include <fstream>
+#include <random>
+
+#include "baker/bake/stage_files.h"
+#include "baker/unwrap/atlas_file.h"
+#include "baker/unwrap/unwrap.h"
+#include "formats/bake/evidence_file.h"
+#include "formats/bake/gap_symbols.h"
+#include "formats/bake/patches_file.h"
+#include "tests/fuzz/fuzz_file.h"
+#include "tests/fuzz/fuzz_scene.h"
+#include "tests/fuzz/gltf_seeds.h"
+#include "tests/support/temporary_folder.h"
+
+namespace luxel::fuzz {
+namespace {
+
+class Seeds {
+  public:
+    explicit Seeds(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    void write(const std::string& target, const std::string& name, const Bytes& prefix, const Bytes& bytes) const {
+        std::filesystem::create_directories(folder_ / target);
+        std::ofstream out(folder_ / target / name, std::ios::binary);
+        for (const Bytes* part : {&prefix, &bytes})
+            out.write(reinterpret_cast<const char*>(part->data()), static_cast<std::streamsize>(part->size()));
+    }
+    /// The blocks of the file at path() for the kind's own target, and the file for the one of the container.
+    void write_file(const std::string& target, const std::string& name, const Bytes& prefix = {}) const {
+        write(target, name, prefix, input_for(test::contents_of(path())));
+        write("block_file_fuzz", target + "_" + name, {1}, read_file(path()));
+    }
+    [[nodiscard]] std::filesystem::path path() const { return scratch_ / "file"; }
+
+  private:
+    std::filesystem::path folder_;
+    test::TemporaryFolder scratch_;
+};
+
+/// Of patches 1 to 12, as evidence_fuzz has them.
+void evidence(const Seeds& seeds) {
+    std::vector<EvidenceRecord> records{{1, 0, 0, 2, 1, 0, {2, 7}, {1, 2}},   {1, 1, 0, 2, 0, 1, {1, 2}, {1, 2}},
+                                        {2, 0, 0, 4, 3, 3, {1, 12}, {9, 1}},  {7, 0, 3, 3, 0, 0, {1, 2, 3, 4}, {1, 1, 1, 1}},
+                                        {12, 0, 31, 31, 0, 5, {7}, {(1u << 30) - 5}}};
+    const std::span<const EvidenceRecord> all(records);
+    BlockFileWriter file(seeds.path(), FileKind::evidence, evidence_version, key);
+    file.append(0, encode_evidence(all.first(3)), 0);
+    file.append(3, encode_evidence(all.last(2)));
+    file.publish();
+    seeds.write_file("evidence_fuzz", "two_blocks");
+}
+
+StripPairs some_pairs(std::uint32_t rows, std::uint32_t columns, bool diagonal, unsigned every, std::mt19937& random) {
+    StripPairs block{rows, columns, {0}, {}, {}};
+    for (std::uint32_t row = 0; row < rows; ++row) {
+        for (std::uint32_t column = diagonal ? row + 1 : 0; column < columns; ++column) {
+            if (random() % every) continue;
+            block.column.push_back(static_cast<std::uint16_t>(column));
+            block.count.push_back(random() % 4 ? 1 + random() % 20 : 1 + random() % 100000);
+        }
+        block.row_begin.push_back(static_cast<std::uint32_t>(block.column.size()));
+    }
+    return block;
+}
+
+/// In chunks of 6 and 70 patches, as strip_fuzz has them.
+void strips(const Seeds& seeds) {
+    std::mt19937 random(1);
+    for (const unsigned every : {1u, 3u, 20u}) {
+        const StripPairs own = some_pairs(6, 6, true, every > 3 ? 3 : every, random), other = some_pairs(6, 70, false, every, random);
+        StripWriter strip(seeds.path(), key, {{9, 8, 7, 9, 9, 9}, {1, 0, 2, 0, 0, 0}, {0, 8, 1, 0, 0, 0}, {8, 0, 4, 9, 0, 1}});
+        strip.append(0, own.column.size(), pack_pairs(own, true));
+        strip.append(1, other.column.size(), pack_pairs(other, false));
+        strip.publish();
+        seeds.write_file("strip_fuzz", "every_" + std::to_string(every));
+    }
+}
+
+void pairs(const Seeds& seeds) {
+    std::mt19937 random(2);
+    for (const bool diagonal : {false, true})
+        for (const unsigned every : {1u, 5u, 60u}) {
+            const StripPairs block = some_pairs(20, 150, diagonal, every, random);
+            const std::string name = (diagonal ? "diagonal_" : "other_") + std::to_string(every);
+            const auto first = [&](unsigned how) { return Bytes{static_cast<std::uint8_t>(how << 1 | (diagonal ? 1 : 0))}; };
+            Bytes gaps = encode_gaps(block, diagonal);
+            gaps.insert(gaps.begin(), static_cast<std::uint8_t>(diagonal ? PairCodec::gap_symbols_above_diagonal : PairCodec::gap_symbols));
+            seeds.write("pairs_fuzz", "packed_" + name, first(0), pack_pairs(block, diagonal).stored);
+            seeds.write("pairs_fuzz", "gaps_" + name, first(0), gaps);
+            seeds.write("pairs_fuzz", "index_" + name, first(1), encode_counts(block));
+        }
+    // Two rows, two columns, the pair (0, 1) with three rays: streams in the clear.
+    seeds.write("pairs_fuzz", "clear", {5}, {2, 0, 2, 0, 1, 0, 1, 0, 0x30, 0, 0, 1, 0, 0x01, 0, 0, 0, 0, 0, 0});
+    // A gap of 20 and a count of 18, both beyond a symbol.
+    seeds.write("pairs_fuzz", "clear_large", {4}, {1, 0, 30, 0, 1, 0, 1, 0, 0xff, 0, 0, 0, 0, 0, 0, 1, 0, 0, 2, 0, 5, 3});
+}
+
+void patches(const Seeds& seeds) {
+    save_patches(seeds.path(), key, {{0x10}, {0.5}, {0, 1}, {{1, 2}}, {3, 4}, "ray"});
+    seeds.write_file("patches_fuzz", "one");
+    save_patches(seeds.path(), key, {{9, 3, 0, 4}, {1, 2, 0.25, 1e-9}, {0, 2, 2, 4}, {{1, 2}, {3, 4}}, {5, 6}, "hemicube"});
+    seeds.write_file("patches_fuzz", "four");
+}
+
+void atlas(const Seeds& seeds) {
+    std::vector<Warning> warnings;
+    save_atlas(seeds.path(), key, unwrap(two_boxes(), {}, warnings, {}));
+    seeds.write_file("atlas_fuzz", "boxes");
+}
+
+/// First byte as in stage_files_fuzz: the stage; second: three patches.
+void stages(const Seeds& seeds) {
+    const std::vector<Channels> channels{{1, 2, 3}, {0.5, 0, 1e30}, {4, 5, 6}};
+    save_closure(seeds.path(), key, {{1, 2, 3}, {0.5, -1e-17, 0}, {0, 1, 2}, {7, 0.5, 0.25, 0, 0, 0.1, 0, 3, 0, 1, 1}});
+    seeds.write_file("stage_files_fuzz", "closure", {0, 3});
+    SolveResult result{"shoot", channels, channels, channels, 1e-4, true, 2.5, {{4096, 1}, {8192, 1e-4}}};
+    save_solution(seeds.path(), key, result);
+    seeds.write_file("stage_files_fuzz", "solution", {1, 3});
+    save_plan(seeds.path(), key, {{{0, 6}, no_levels, {7, 20}}});
+    seeds.write_file("stage_files_fuzz", "plan", {2, 3});
+    save_accuracy(seeds.path(), key, {channels, channels, 0.125});
+    seeds.write_file("stage_files_fuzz", "accuracy", {3, 3});
+    save_lightmap(seeds.path(), key, std::vector<Rgb>{{1, 2, 3}, {0, 0, 0}, {1e30f, 0.5f, 7}});
+    seeds.write_file("stage_files_fuzz", "lightmap", {4, 3});
+}
+
+}  // namespace
+}  // namespace luxel::fuzz
+
+int main(int count, char** arguments) {
+    if (count != 2) {
+        std::fprintf(stderr, "usage: fuzz_seeds FOLDER\n");
+        return 1;
+    }
+    const luxel::fuzz::Seeds seeds(arguments[1]);
+    luxel::fuzz::evidence(seeds);
+    luxel::fuzz::strips(seeds);
+    luxel::fuzz::pairs(seeds);
+    luxel::fuzz::patches(seeds);
+    luxel::fuzz::atlas(seeds);
+    luxel::fuzz::stages(seeds);
+    for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);
+    return 0;
+}
