@@ -186,16 +186,10 @@ double ReplicateGains::of_count(double rays) const {
     return counts[static_cast<std::size_t>(std::min(32, std::ilogb(rays)))];
 }
 
-ReplicateGains replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates) {
+ReplicateGains replicate_gains(const EvidenceSource& evidence, const LightState& light, std::uint32_t replicates) {
     check(light);
     Tally tally(light, replicates);
-    for (const EvidenceFile& entry : files) {
-        const BlockFileReader file(entry.path, FileKind::evidence, evidence_version, &entry.key);
-        for (std::size_t k = 0; k < file.blocks().size(); ++k) {
-            const std::string where = file.name() + ": block " + std::to_string(k);
-            tally.add(read_evidence_block(file, k), where);
-        }
-    }
+    evidence.visit([&](const EvidenceBlock& block, const std::string& where) { tally.add(block, where); });
     return tally.gains();
 }
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "baker/accuracy/light_state.h"
-#include "formats/bake/evidence_file.h"
+#include "baker/formfactors/evidence_source.h"
 
 namespace luxel {
 
@@ -28,8 +28,8 @@ struct ReplicateGains {
     [[nodiscard]] double of_count(double rays) const;
 };
 
-/// All gains are 1 where they cannot be known (one replicate, no light). Reads each file once, in order; memory
+/// All gains are 1 where they cannot be known (one replicate, no light). Visits the evidence once; memory
 /// 8 * (2 R + 2) bytes per patch. `replicates`: R. Throws Error{damaged_store}.
-ReplicateGains replicate_gains(std::span<const EvidenceFile> files, const LightState& light, std::uint32_t replicates);
+ReplicateGains replicate_gains(const EvidenceSource& evidence, const LightState& light, std::uint32_t replicates);
 
 }  // namespace luxel

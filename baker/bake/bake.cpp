@@ -56,6 +56,7 @@ BakeReport bake(const BakeOptions& options) {
     const BakeFolder folder(options.work, options.output);
     BakeReport report;
     report.budget_bytes = options.memory_bytes;
+    report.store = store_name(options.store);
     StageClock clock(options, report);
 
     const auto geometry = prepare_geometry(options, folder, clock, report);
@@ -73,7 +74,9 @@ BakeReport bake(const BakeOptions& options) {
     const BakedLight light = [&] {
         const SolvedScene solved = solve_in_rounds(options, *geometry, folder, plan, clock, report);
         strip_key = solved.matrix.strip_key;
-        return light_texels(options, *geometry, solved.sources, solved.matrix, solved.solution, folder, clock, report);
+        BakedLight texels = light_texels(options, *geometry, solved.sources, solved.matrix, solved.solution, folder, clock, report);
+        if (solved.matrix.rows) report.rays_traced += solved.matrix.rows->rays_traced();
+        return texels;
     }();
     if (options.verify) verify(folder, strip_key, plan, clock, report);
     write_outputs(options, *geometry, light, clock, report);

@@ -19,9 +19,20 @@ enum class EstimatorKind { ray, hemicube };
 /// How patches are grouped: chunks/room_chunks.h, chunks/spatial_tiles.h.
 enum class ChunkKind { rooms, tiles };
 
+/// What of the matrix stays on the disk; the rest is traced again when it is needed, with the same bytes as result.
+enum class StoreKind {
+    all,   ///< evidence and strips
+    hot,   ///< the blocks that cost most time to trace for their bytes, and the directory
+    no_blocks,  ///< "none": only the directory: which blocks there are
+};
+/// Their names on the command line and in reports.
+const char* store_name(StoreKind kind);
+
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
+    StoreKind store = StoreKind::all;
+    std::uint64_t store_bytes = 0;  ///< of StoreKind::hot: bytes for kept blocks; 0: a quarter of what all of them would take
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
     UnwrapOptions unwrap;

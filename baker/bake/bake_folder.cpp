@@ -34,6 +34,7 @@ BakeFolder::~BakeFolder() {
 }
 
 std::filesystem::path BakeFolder::atlas(const Key& key) const { return root_ / ("atlas-" + key.text() + ".lxa"); }
+std::filesystem::path BakeFolder::directory(const Key& strips) const { return root_ / ("directory-" + strips.text() + ".lxd"); }
 std::filesystem::path BakeFolder::patches(const Key& strips) const { return root_ / ("patches-" + strips.text() + ".lxp"); }
 std::filesystem::path BakeFolder::plan(const Key& key) const { return root_ / ("plan-" + key.text() + ".lxl"); }
 std::filesystem::path BakeFolder::accuracy(const Key& key) const { return root_ / ("accuracy-" + key.text() + ".lxv"); }
@@ -50,23 +51,52 @@ std::filesystem::path BakeFolder::strips(const Key& key) const {
     make_folder(folder);
     return folder;
 }
+std::filesystem::path BakeFolder::hot(const Key& strips) const {
+    const auto folder = root_ / ("hot-" + hot_key(strips).text());
+    make_folder(folder);
+    return folder;
+}
 std::filesystem::path BakeFolder::lightmaps(const Key& key) const {
     const auto folder = root_ / ("lightmaps-" + key.text());
     make_folder(folder);
     return folder;
 }
 
+Key BakeFolder::hot_key(const Key& strips) { return KeyBuilder("hot 1").key(strips).finish(); }
+
 void BakeFolder::discard(const Key& strips, const Key& closure_key, const Key& solution_key) const {
     std::error_code ignored;
     std::filesystem::remove(patches(strips), ignored);
-    std::filesystem::remove_all(root_ / ("strips-" + strips.text()), ignored);
+    discard_strips(strips);
+    discard_directory(strips);
     std::filesystem::remove(closure(closure_key), ignored);
     std::filesystem::remove(solution(solution_key), ignored);
 }
 
+void BakeFolder::discard_strips(const Key& strips) const {
+    std::error_code ignored;
+    std::filesystem::remove_all(root_ / ("strips-" + strips.text()), ignored);
+}
+
+void BakeFolder::discard_evidence(const Key& evidence) const {
+    std::error_code ignored;
+    std::filesystem::remove_all(root_ / ("evidence-" + evidence.text()), ignored);
+}
+
+void BakeFolder::discard_hot(const Key& strips) const {
+    std::error_code ignored;
+    std::filesystem::remove_all(root_ / ("hot-" + hot_key(strips).text()), ignored);
+}
+
+void BakeFolder::discard_directory(const Key& strips) const {
+    std::error_code ignored;
+    std::filesystem::remove(directory(strips), ignored);
+    discard_hot(strips);
+}
+
 std::optional<BakeFolder::StageName> BakeFolder::stage_of(const std::filesystem::path& name) {
-    static constexpr std::array<std::pair<const char*, const char*>, 9> stages{
-        {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"},
+    static constexpr std::array<std::pair<const char*, const char*>, 11> stages{
+        {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"directory", ".lxd"}, {"hot", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"},
          {"solution", ".lxr"}, {"accuracy", ".lxv"}, {"lightmaps", ""}}};
     const std::string text = name.filename().string();
     for (const auto& [stage, ending] : stages) {

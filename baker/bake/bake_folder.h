@@ -3,6 +3,8 @@
 ///     atlas-<key>.lxa                     unwrap/atlas_file.h
 ///     evidence-<key>/chunk-<n>.lxe        formats/bake/evidence_file.md
 ///     strips-<key>/strip-<n>.lxs          formats/bake/strip_file.md
+///     directory-<key>.lxd                 formats/bake/directory_file.md; the key is that of the strips that are not all kept
+///     hot-<key>/strip-<n>.lxs             formats/bake/strip_file.md: the blocks of them that are
 ///     patches-<key>.lxp                   formats/bake/patches_file.md; the key is that of the strips
 ///     plan-<key>.lxl                      stage_files.h
 ///     closure-<key>.lxc                   stage_files.h
@@ -32,6 +34,8 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path atlas(const Key& key) const;
     [[nodiscard]] std::filesystem::path evidence(const Key& key) const;  ///< folder, made if missing
     [[nodiscard]] std::filesystem::path strips(const Key& key) const;    ///< folder, made if missing
+    [[nodiscard]] std::filesystem::path directory(const Key& strips) const;
+    [[nodiscard]] std::filesystem::path hot(const Key& strips) const;  ///< folder, made if missing
     [[nodiscard]] std::filesystem::path patches(const Key& strips) const;
     [[nodiscard]] std::filesystem::path plan(const Key& key) const;
     [[nodiscard]] std::filesystem::path closure(const Key& key) const;
@@ -39,8 +43,18 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path accuracy(const Key& key) const;
     [[nodiscard]] std::filesystem::path lightmaps(const Key& key) const;  ///< folder, made if missing
 
-    /// Removes a matrix that only served to choose rays, and what was found with it; what is not there is no error.
+    /// Key of the kept blocks of strips that are not all kept.
+    static Key hot_key(const Key& strips);
+
+    /// Removes a matrix that only served to choose rays, and what was found with it; what is not there is no error, here and
+    /// below.
     void discard(const Key& strips, const Key& closure, const Key& solution) const;
+    /// Removes the strips of a matrix, or one round of evidence.
+    void discard_strips(const Key& strips) const;
+    void discard_evidence(const Key& evidence) const;
+    /// Removes the kept blocks, or the directory too.
+    void discard_hot(const Key& strips) const;
+    void discard_directory(const Key& strips) const;
 
     static std::filesystem::path evidence_file(const std::filesystem::path& folder, std::uint32_t chunk);
     static std::filesystem::path lightmap_file(const std::filesystem::path& folder, std::uint32_t page);

@@ -29,36 +29,56 @@ Key EvidenceRounds::plan_key(std::uint32_t round) const {
         .finish();
 }
 
+std::unique_ptr<EvidenceSource> EvidenceRounds::source() const {
+    if (options_.store == StoreKind::all) return std::make_unique<EvidenceFiles>(files_);
+    return std::make_unique<TracedEvidence>(*estimator_, geometry_.layout, ids_, plans_);
+}
+
+LevelPlan EvidenceRounds::all_levels() const {
+    LevelPlan all;
+    for (const std::uint8_t last : reached_) all.levels.push_back({0, last});
+    return all;
+}
+
+void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report) {
+    const ChunkLayout& layout = geometry_.layout;
+    const auto place = folder_.evidence(key);
+    clock.stage("evidence", [&] {
+        ProgressCounter progress(planned_rays(plan, *estimator_, 0, layout.patch_count()), clock.progress("rays"));
+        bool reused = true;
+        for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) {
+            files_.push_back({BakeFolder::evidence_file(place, chunk), key});
+            const auto& path = files_.back().path;
+            const std::uint64_t rays = planned_rays(plan, *estimator_, layout.first_patch[chunk], layout.first_patch[chunk + 1]);
+            if (block_file_is_whole(path, FileKind::evidence, evidence_version, key)) {
+                progress.add(rays);
+                continue;
+            }
+            reused = false;
+            write_chunk_evidence(*estimator_, layout, ids_, chunk, plan, path, key, &progress);
+            report.rays_traced += rays;
+        }
+        return reused;
+    });
+    report.evidence_seconds += clock.last_seconds();
+}
+
 void EvidenceRounds::add(const LevelPlan& plan, StageClock& clock, BakeReport& report) {
     KeyBuilder builder("evidence 2");
     builder.key(geometry_.layout_key).key(estimator_->identity());
     for (const LevelRange& levels : plan.levels) builder.integer(levels.first).integer(levels.last);
     const Key key = builder.finish();
-    const ChunkLayout& layout = geometry_.layout;
-    const std::uint64_t rays = planned_rays(plan, *estimator_, 0, layout.patch_count());
-    const auto place = folder_.evidence(key);
-    clock.stage("evidence", [&] {
-        ProgressCounter progress(rays, clock.progress("rays"));
-        bool reused = true;
-        for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) {
-            files_.push_back({BakeFolder::evidence_file(place, chunk), key});
-            const auto& path = files_.back().path;
-            if (block_file_is_whole(path, FileKind::evidence, evidence_version, key)) {
-                progress.add(planned_rays(plan, *estimator_, layout.first_patch[chunk], layout.first_patch[chunk + 1]));
-                continue;
-            }
-            reused = false;
-            write_chunk_evidence(*estimator_, layout, ids_, chunk, plan, path, key, &progress);
-        }
-        return reused;
-    });
+    if (options_.store == StoreKind::all)
+        write(plan, key, clock, report);
+    else
+        plans_.push_back(plan);
     reached_ = levels_after(reached_, plan);
-    total_rays_ += rays;
+    total_rays_ += planned_rays(plan, *estimator_, 0, geometry_.layout.patch_count());
+    round_keys_.push_back(key);
     key_ = KeyBuilder("evidence of rounds 1").key(key_).key(key).finish();
     ++rounds_;
     report.evidence_rays = total_rays_;
     report.evidence_rounds = rounds_;
-    report.evidence_seconds += clock.last_seconds();
 }
 
 }  // namespace luxel

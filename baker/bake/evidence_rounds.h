@@ -2,8 +2,7 @@
 #pragma once
 #include "baker/bake/bake_folder.h"
 #include "baker/bake/geometry_stages.h"
-#include "baker/formfactors/level_plan.h"
-#include "formats/bake/evidence_file.h"
+#include "baker/formfactors/evidence_source.h"
 
 namespace luxel {
 
@@ -15,12 +14,19 @@ class EvidenceRounds {
     EvidenceRounds(const EvidenceRounds&) = delete;
     EvidenceRounds& operator=(const EvidenceRounds&) = delete;
 
-    /// Traces what the bake folder does not have yet of one more round. Stage "evidence".
+    /// Traces what the bake folder does not have yet of one more round. Stage "evidence". Where not all is stored, it only takes
+    /// note of the plan.
     void add(const LevelPlan& plan, StageClock& clock, BakeReport& report);
 
     /// Of everything traced so far: names what is pooled from it.
     [[nodiscard]] const Key& key() const { return key_; }
-    [[nodiscard]] std::span<const EvidenceFile> files() const { return files_; }
+    [[nodiscard]] std::span<const EvidenceFile> files() const { return files_; }  ///< none where not all is stored
+    [[nodiscard]] std::span<const Key> round_keys() const { return round_keys_; }
+    /// Everything traced so far, read or traced again. Refers to this object.
+    [[nodiscard]] std::unique_ptr<EvidenceSource> source() const;
+    /// Levels of all rounds together, and who traces them.
+    [[nodiscard]] LevelPlan all_levels() const;
+    [[nodiscard]] std::shared_ptr<const Estimator> estimator() const { return estimator_; }
     [[nodiscard]] std::span<const PatchId> ids() const { return ids_; }
     [[nodiscard]] std::span<const std::uint8_t> reached() const { return reached_; }  ///< last level per patch
     [[nodiscard]] std::uint32_t rounds() const { return rounds_; }
@@ -35,13 +41,17 @@ class EvidenceRounds {
     [[nodiscard]] Key plan_key(std::uint32_t round) const;
 
   private:
+    void write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report);
+
     const BakeOptions& options_;
     const BakedGeometry& geometry_;
     const BakeFolder& folder_;
-    std::unique_ptr<Estimator> estimator_;
+    std::shared_ptr<const Estimator> estimator_;
     std::vector<PatchId> ids_;
     std::vector<std::uint8_t> reached_;
+    std::vector<LevelPlan> plans_;  ///< per round, where not all is stored
     std::vector<EvidenceFile> files_;
+    std::vector<Key> round_keys_;
     Key key_;
     std::uint32_t rounds_ = 0;
     std::uint64_t total_rays_ = 0;

@@ -15,8 +15,8 @@ namespace {
 struct Numbered {
     std::string_view stage, prefix, ending;
 };
-constexpr std::array<Numbered, 3> numbered{
-    {{"evidence", "chunk-", ".lxe"}, {"strips", "strip-", ".lxs"}, {"lightmaps", "page-", ".lxp"}}};
+constexpr std::array<Numbered, 4> numbered{
+    {{"evidence", "chunk-", ".lxe"}, {"strips", "strip-", ".lxs"}, {"hot", "strip-", ".lxs"}, {"lightmaps", "page-", ".lxp"}}};
 
 std::optional<std::uint64_t> number_of(const std::string& name, const std::string& stage) {
     for (const Numbered& n : numbered) {

@@ -45,7 +45,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
                               gather_page(input, page, {options.gather_rays, true, options.lamp_points, near_m, options.seed}, &progress));
             } else {
                 if (irradiance.empty()) {
-                    ClosedStrips strips(*matrix.strips, matrix.area_m2, matrix.closure);
+                    ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
                     irradiance = patch_irradiance(strips, solution.result.radiosity, sources.lamp_irradiance);
                 }
                 save_lightmap(path, light.key,

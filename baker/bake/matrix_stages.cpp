@@ -1,7 +1,9 @@
 #include "baker/bake/matrix_stages.h"
 
 #include "baker/bake/stage_files.h"
+#include "baker/bake/store_stage.h"
 #include "baker/store/pooling.h"
+#include "baker/store/strip_store.h"
 
 namespace luxel {
 namespace {
@@ -26,9 +28,18 @@ BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& g, con
                          const BakeFolder& folder, const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
     BakedMatrix matrix;
     const MatrixKeys keys = matrix_keys(options, evidence);
-    const auto place = folder.strips(keys.strips);
+    for (const Patch& patch : g.patches.patches) matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
+    matrix.cache_bytes = plan.cache_bytes;
     clock.stage("pooling", [&] {
-        for (const Patch& patch : g.patches.patches) matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
+        if (options.store != StoreKind::all) {
+            matrix.estimator = evidence.estimator();
+            // Rows of rays take a third of the bytes that the decoded blocks made of them take, and are much dearer.
+            matrix.cache_bytes = plan.cache_bytes / 4;
+            matrix.rows = std::make_unique<TracedRows>(*matrix.estimator, g.layout, evidence.all_levels(),
+                                                       plan.cache_bytes - matrix.cache_bytes);
+            return open_traced(options, folder, keys.strips, matrix, clock);
+        }
+        const auto place = folder.strips(keys.strips);
         const bool wrote = pool_evidence(g.layout, evidence.ids(), evidence.files(), place, keys.strips,
                                          {plan.pooling_bytes, folder.root()}, clock.progress("files"));
         matrix.strips = std::make_unique<StripStore>(place, keys.strips, g.layout);

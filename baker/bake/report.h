@@ -29,7 +29,9 @@ struct BakeReport {
 
     std::uint64_t triangles = 0, charts = 0, pages = 0, texels = 0, patches = 0, chunks = 0, blocks = 0, pairs = 0;
     double texels_per_metre = 0;
-    std::uint64_t store_bytes = 0;
+    std::string store;              ///< all, hot or none
+    std::uint64_t store_bytes = 0;  ///< of the matrix on disk
+    std::uint64_t rays_traced = 0;  ///< by this run, for evidence, blocks and accuracy: as often as they were traced
     std::uint64_t evidence_rays = 0, evidence_rounds = 0;
     double evidence_seconds = 0;
     /// Relative, of the patches' light (accuracy/standard_error.h). None where the estimator's counts do not scatter.

@@ -6,6 +6,7 @@
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/bake/stage_files.h"
+#include "baker/bake/store_stage.h"
 #include "baker/formfactors/hemicube_weights.h"
 #include "baker/patches/neighbourhoods.h"
 #include "baker/store/block_cache.h"
@@ -81,7 +82,7 @@ class Rounds {
 
     void solve(double tolerance) {
         scene_.matrix = build_matrix(options_, g_, evidence_, folder_, plan_, clock_, report_);
-        scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, plan_, clock_, report_);
+        scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, clock_, report_);
     }
 
     [[nodiscard]] LightState light() const {
@@ -115,9 +116,10 @@ class Rounds {
                 scene_.error = std::move(*error);
                 return true;
             }
-            ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
-            BlockCache cache(strips, plan_.cache_bytes);
-            const ReplicateGains gains = replicate_gains(evidence_.files(), light(), evidence_.replicates());
+            ClosedMatrix strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
+            BlockCache cache(strips, scene_.matrix.cache_bytes);
+            const ReplicateGains gains = replicate_gains(*evidence_.source(), light(), evidence_.replicates());
+            if (scene_.matrix.rows) report_.rays_traced += evidence_.total_rays();
             scene_.error = standard_error(cache, light(), gains, mean_irradiance());
             save_accuracy(path, key, scene_.error);
             return false;
@@ -139,8 +141,8 @@ class Rounds {
             const double total = goal * static_cast<double>(g_.patches.count());
             std::vector<double> wanted(g_.patches.count(), 1.0);
             if (options_.importance) {
-                ClosedStrips strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
-                BlockCache cache(strips, plan_.cache_bytes);
+                ClosedMatrix strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
+                BlockCache cache(strips, scene_.matrix.cache_bytes);
                 wanted = best_rays(cache, light(), total, static_cast<double>(first_rays),
                                    neighbourhoods(g_.atlas, g_.patches, neighbourhood_patches * options_.patch_texels));
             }
@@ -152,6 +154,7 @@ class Rounds {
 
     /// Frees the matrix of the last round and removes its files, also those of a run that was killed before it came to that.
     void forget_matrix() {
+        if (scene_.matrix.rows) report_.rays_traced += scene_.matrix.rows->rays_traced();
         scene_.matrix = {};
         scene_.solution = {};
         const MatrixKeys keys = matrix_keys(options_, evidence_);
@@ -173,8 +176,7 @@ class Rounds {
         patches.ids.assign(evidence_.ids().begin(), evidence_.ids().end());
         patches.area_m2 = scene_.matrix.area_m2;
         patches.first_patch = g_.layout.first_patch;
-        for (const EvidenceFile& file : evidence_.files())
-            if (patches.evidence.empty() || patches.evidence.back() != file.key) patches.evidence.push_back(file.key);
+        patches.evidence.assign(evidence_.round_keys().begin(), evidence_.round_keys().end());
         patches.closure = keys.closure;
         patches.estimator = options_.estimator == EstimatorKind::hemicube ? "hemicube" : "ray";
         save_patches(path, keys.strips, patches);
@@ -182,6 +184,9 @@ class Rounds {
 
     SolvedScene finish() {
         describe_matrix();
+        remove_other_store(options_, folder_, scene_.matrix.strip_key, evidence_.round_keys());
+        // Drafts read the matrix once more for their texels; nobody else does.
+        if (scene_.matrix.rows && options_.gather_rays) scene_.matrix.rows->forget();
         const auto [least, most] = std::minmax_element(evidence_.reached().begin(), evidence_.reached().end());
         if (least != evidence_.reached().end()) {
             report_.least_rays = evidence_.rays_at(*least);

@@ -76,8 +76,8 @@ Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& 
 }
 
 BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,
-                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, const MemoryPlan& plan,
-                            StageClock& clock, BakeReport& report) {
+                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, StageClock& clock,
+                            BakeReport& report) {
     BakedSolution solution;
     solution.key = solution_key(options, g, matrix.key, tolerance);
     solution.reflectance = reflectances(g.patches, matrix.strips->tallies());
@@ -87,8 +87,8 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
             solution.result = std::move(*result);
             return true;
         }
-        ClosedStrips strips(*matrix.strips, matrix.area_m2, matrix.closure);
-        BlockCache cache(strips, plan.cache_bytes);
+        ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
+        BlockCache cache(strips, matrix.cache_bytes);
         SolveOptions solve;
         solve.tolerance = tolerance;
         const ProgressFunction progress = clock.progress("pages read");

@@ -26,7 +26,7 @@ Key solution_key(const BakeOptions& options, const BakedGeometry& geometry, cons
 
 /// Stage "solve".
 BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources,
-                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, const MemoryPlan& plan,
-                            StageClock& clock, BakeReport& report);
+                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, StageClock& clock,
+                            BakeReport& report);
 
 }  // namespace luxel

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <xmmintrin.h>
 
 #include <algorithm>
@@ -69,6 +70,10 @@ void parallel_ranges(std::size_t count, std::size_t range_size,
     };
     const LoopOrder loop_order;  // after the body and what it refers to: these too are written before the loop
     tbb::parallel_for(std::size_t{0}, ranges, run_range);
+}
+
+void parallel_isolated(std::size_t count, const std::function<void(std::size_t)>& body) {
+    tbb::this_task_arena::isolate([&] { parallel_for(count, 1, body); });
 }
 
 }  // namespace luxel

@@ -31,6 +31,10 @@ void parallel_for(std::size_t count, std::size_t grain, const std::function<void
 void parallel_ranges(std::size_t count, std::size_t range_size,
                      const std::function<void(std::size_t range, std::size_t begin, std::size_t end)>& body);
 
+/// parallel_for whose calling thread takes up no other work while it waits for its loop: for loops inside something that
+/// other tasks may wait for. Grain 1.
+void parallel_isolated(std::size_t count, const std::function<void(std::size_t)>& body);
+
 /// Sets flush-to-zero and denormals-are-zero on the calling thread (Embree asks for it; sums must agree on all threads).
 void flush_denormals();
 

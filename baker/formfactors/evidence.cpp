@@ -103,28 +103,38 @@ class BlockBuilder {
 
 }  // namespace
 
+std::size_t evidence_block_count(const ChunkLayout& layout, ChunkNumber chunk) {
+    return (layout.size(chunk) + block_patches - 1) / block_patches;
+}
+
+EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
+                                   ChunkNumber chunk, std::size_t block, const LevelPlan& plan) {
+    const auto begin = static_cast<PatchNumber>(layout.first_patch[chunk] + block * block_patches);
+    const PatchNumber end = std::min<PatchNumber>(layout.first_patch[chunk + 1], begin + block_patches);
+    BlockBuilder builder(ids);
+    std::vector<Landings> landings;
+    for (PatchNumber patch = begin; patch < end; ++patch) {
+        if (plan.levels[patch].empty()) continue;
+        estimator.cast(patch, plan.levels[patch], landings);
+        for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
+            builder.add(patch, replicate, plan.levels[patch], landings[replicate]);
+    }
+    return builder.finish();
+}
+
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
                           ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
                           ProgressCounter* progress) {
     const PatchNumber first = layout.first_patch[chunk], end = layout.first_patch[chunk + 1];
-    const std::size_t block_count = (end - first + block_patches - 1) / block_patches;
+    const std::size_t block_count = evidence_block_count(layout, chunk);
     std::vector<BlockFileWriter::Packed> blocks(block_count);
     std::vector<std::uint64_t> first_record(block_count + 1);
     parallel_for(block_count, 1, [&](std::size_t block) {
-        const auto begin = static_cast<PatchNumber>(first + block * block_patches);
-        const PatchNumber block_end = std::min<PatchNumber>(end, begin + block_patches);
-        BlockBuilder builder(ids);
-        std::vector<Landings> landings;
-        for (PatchNumber patch = begin; patch < block_end; ++patch) {
-            if (plan.levels[patch].empty()) continue;
-            estimator.cast(patch, plan.levels[patch], landings);
-            for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
-                builder.add(patch, replicate, plan.levels[patch], landings[replicate]);
-        }
-        const EvidenceBlock evidence = builder.finish();
+        const EvidenceBlock evidence = trace_evidence_block(estimator, layout, ids, chunk, block, plan);
         first_record[block + 1] = evidence.rows.size();
         blocks[block] = BlockFileWriter::pack(encode_evidence(evidence), 1);
-        if (progress) progress->add(planned_rays(plan, estimator, begin, block_end));
+        const auto begin = static_cast<PatchNumber>(first + block * block_patches);
+        if (progress) progress->add(planned_rays(plan, estimator, begin, std::min<PatchNumber>(end, begin + block_patches)));
     });
     BlockFileWriter file(path, FileKind::evidence, evidence_version, key);
     std::uint64_t record = 0;

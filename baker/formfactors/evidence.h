@@ -9,6 +9,12 @@
 
 namespace luxel {
 
+/// Evidence blocks of a chunk, and one of them: what the rays of some neighbouring patches met, one row per patch and replicate,
+/// in order. Pure. Threads: reentrant.
+std::size_t evidence_block_count(const ChunkLayout& layout, ChunkNumber chunk);
+EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
+                                   ChunkNumber chunk, std::size_t block, const LevelPlan& plan);
+
 /// Writes the evidence of chunk `chunk`'s own rays to `path`. `ids`: stable id per patch number.
 /// Threads: uses them all; the bytes do not depend on their number. Errors: cannot_write.
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,

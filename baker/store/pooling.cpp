@@ -8,19 +8,12 @@
 #include "baker/store/evidence_reader.h"
 #include "baker/store/level_ledger.h"
 #include "baker/store/pair_sort.h"
+#include "baker/store/ray_sum.h"
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/strip_file.h"
 
 namespace luxel {
 namespace {
-
-/// Adds to a 32-bit sum of rays; throws when it no longer fits.
-void add_rays(std::uint32_t& sum, std::uint64_t rays, const std::string& where) {
-    if (rays > 0xffffffffu - sum)
-        throw Error(ErrorCode::damaged_store, where, "a patch or a pair has 2^32 rays or more, which strips cannot hold",
-                    "bake with fewer --rays in a fresh bake folder");
-    sum += static_cast<std::uint32_t>(rays);
-}
 
 /// What one record adds to its own patch.
 struct PatchTally {

@@ -8,7 +8,6 @@ namespace luxel {
 namespace {
 
 constexpr std::size_t max_open_files = 128;
-constexpr std::uint64_t page_bytes = 4096, trailer_bytes = 16;
 
 void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
     all.insert(all.end(), part.begin(), part.end());
@@ -35,18 +34,10 @@ StripStore::StripStore(std::filesystem::path folder, const Key& key, const Chunk
             if (directory[k].b < a || directory[k].b >= layout_.chunk_count())
                 throw Error(ErrorCode::damaged_store, file.name(), "directory names a chunk that does not exist");
             const BlockEntry& entry = file.blocks()[first_pair_block + k];
-            const std::uint64_t bytes = entry.stored_bytes + trailer_bytes;
-            blocks_.push_back({a, directory[k].b, directory[k].pair_count,
-                               (bytes + page_bytes - 1) / page_bytes * page_bytes});
+            blocks_.push_back({a, directory[k].b, directory[k].pair_count, strip_read_bytes(entry.stored_bytes)});
         }
         file_bytes_ += file.file_bytes();
     }
-}
-
-std::uint64_t StripStore::pair_count() const {
-    std::uint64_t sum = 0;
-    for (const BlockInfo& block : blocks_) sum += block.pair_count;
-    return sum;
 }
 
 std::shared_ptr<const BlockFileReader> StripStore::open_strip(ChunkNumber a) const {
@@ -77,22 +68,6 @@ void StripStore::load(std::size_t index, CountBlock& out) const {
     out.row_begin = std::move(pairs.row_begin);
     out.columns = std::move(pairs.column);
     out.counts = std::move(pairs.count);
-}
-
-void ClosedStrips::load(std::size_t index, Block& out) {
-    CountBlock counts;
-    strips_.load(index, counts);
-    bytes_read_ += strips_.blocks()[index].read_bytes;
-    out.a = counts.a;
-    out.b = counts.b;
-    out.areas_m2.resize(counts.counts.size());
-    const double* mu_a = closure_.mu.data() + layout().first_patch[counts.a];
-    const double* mu_b = closure_.mu.data() + layout().first_patch[counts.b];
-    for (std::size_t row = 0; row + 1 < counts.row_begin.size(); ++row)
-        for (std::uint32_t k = counts.row_begin[row]; k < counts.row_begin[row + 1]; ++k)
-            out.areas_m2[k] = exchange_area(counts.counts[k], mu_a[row], mu_b[counts.columns[k]]);
-    out.row_begin = std::move(counts.row_begin);
-    out.columns = std::move(counts.columns);
 }
 
 }  // namespace luxel

@@ -91,6 +91,10 @@ BlockFileWriter::Packed BlockFileWriter::pack(ByteView raw, int level) {
     return block;
 }
 
+Bytes BlockFileWriter::unpack(const Packed& block, const std::string& where) {
+    return block.codec == Codec::raw ? block.stored : decompress(block.stored, block.raw_bytes, where);
+}
+
 void BlockFileWriter::append(std::uint64_t tag, ByteView raw, int level) { append_packed(tag, pack(raw, level)); }
 
 void BlockFileWriter::append_packed(std::uint64_t tag, const Packed& block) {

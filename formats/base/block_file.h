@@ -23,7 +23,8 @@ enum class FileKind : std::uint32_t {
     lamps = 8,      ///< direct light of lamps per patch
     plan = 9,       ///< levels of rays of one round
     accuracy = 10,  ///< standard error per patch
-    patches = 11    ///< bake/patches_file
+    patches = 11,   ///< bake/patches_file
+    directory = 12  ///< bake/directory_file
 };
 
 /// Stored with each block: never renumber.
@@ -50,6 +51,8 @@ class BlockFileWriter {
         Codec codec = Codec::raw;
     };
     static Packed pack(ByteView raw, int level);
+    /// The bytes that pack() was given. Throws Error{damaged_store} naming `where`.
+    static Bytes unpack(const Packed& block, const std::string& where);
     void append_packed(std::uint64_t tag, const Packed& block);
     [[nodiscard]] std::size_t block_count() const { return entries_.size(); }
     /// Writes index and footer; the file appears under its name. Nothing may be appended afterwards.

@@ -32,7 +32,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
                                 encoding = "srgb8", importance = "on", estimator = "ray",
-                                chunks = "rooms";
+                                chunks = "rooms", store = "all", store_bytes;
     double texels_per_metre = 0, tolerance = 0, error = 0;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
@@ -77,6 +77,14 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
         throw Error(ErrorCode::usage, "--error", "the counts of the hemicube do not scatter, so no error can be found from them",
                     "leave out --error, or choose --estimator ray");
     o.hemicube_resolution = a.hemicube_resolution;
+    o.store = a.store == "none" ? StoreKind::no_blocks : a.store == "hot" ? StoreKind::hot : StoreKind::all;
+    if (given("--store-bytes")) {
+        if (o.store != StoreKind::hot)
+            throw Error(ErrorCode::usage, "--store-bytes", "it says how much --store hot may keep, but --store is " + a.store,
+                        "add --store hot, or leave out --store-bytes");
+        o.store_bytes = parse_bytes(a.store_bytes, "--store-bytes");
+        if (o.store_bytes == 0) throw Error(ErrorCode::usage, "--store-bytes", "expected at least one byte", "--store none keeps nothing");
+    }
     o.importance = a.importance == "on";
     o.error = a.error;
     o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
@@ -111,6 +119,8 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"encoding", a.encoding},
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},
+            {"store", store_name(o.store)},
+            {"store-bytes", a.store_bytes.empty() ? "auto" : a.store_bytes},
             {"threads", std::to_string(o.threads)},
             {"verify", a.verify ? "on" : "off"},
             {"work", a.work}};
@@ -185,6 +195,9 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
     command.add_option("--memory", a.memory, "budget beside the scene's geometry, K/M/G")
         ->capture_default_str()->group("Running");
+    command.add_option("--store", a.store, "what of the form factors stays on disk; the rest is traced again, with the same result")
+        ->check(CLI::IsMember({"all", "hot", "none"}))->capture_default_str()->group("Running");
+    command.add_option("--store-bytes", a.store_bytes, "of --store hot, K/M/G (a quarter of what all takes)")->group("Running");
     command.add_option("--threads", a.threads, "0: all cores")
         ->check(CLI::Range(0u, 1024u))->capture_default_str()->group("Running");
     command.add_option("--chunks", a.chunks, "patches that see each other, found by a thin round of rays, or cubes of space")

@@ -15,10 +15,12 @@ std::string report_json(const BakeReport& r) {
     out["counts"] = {{"triangles", r.triangles}, {"charts", r.charts},   {"pages", r.pages},   {"texels", r.texels},
                      {"patches", r.patches},     {"chunks", r.chunks},   {"blocks", r.blocks}, {"pairs", r.pairs}};
     out["atlas"] = {{"texels_per_metre", r.texels_per_metre}};
-    out["store"] = {{"bytes", r.store_bytes},
+    out["store"] = {{"kind", r.store},
+                    {"bytes", r.store_bytes},
                     {"bytes_per_pair", r.pairs ? static_cast<double>(r.store_bytes) / static_cast<double>(r.pairs) : 0}};
     out["evidence"] = {
         {"rays", r.evidence_rays},
+        {"rays_traced", r.rays_traced},
         {"rays_per_second", r.evidence_seconds > 0 ? static_cast<double>(r.evidence_rays) / r.evidence_seconds : 0},
         {"rounds", r.evidence_rounds},
         {"least_rays", r.least_rays},

@@ -53,7 +53,7 @@ ReplicateGains gains_of(const Counts& counts) {
     std::vector<Channels> radiosity(patches, Channels{1, 1, 1});
     radiosity[0] = {5, 5, 5};
     const std::vector<Channels> irradiance(patches, Channels{3, 3, 3});
-    return replicate_gains({&file, 1}, {ids, area, reflectance, radiosity, irradiance, mu, open}, replicates);
+    return replicate_gains(EvidenceFiles({&file, 1}), {ids, area, reflectance, radiosity, irradiance, mu, open}, replicates);
 }
 
 TEST(ReplicateGain, IndependentRaysGainNothing) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "baker/core/parallel.h"
+#include "baker/store/closed_matrix.h"
 #include "tests/support/damage.h"
 #include "tests/unit/store/made_evidence.h"
 
@@ -119,7 +120,7 @@ TEST(StripStore, RefusesDamage) {
     EXPECT_FALSE(made.opens(test::strip_key, made.evidence.layout)) << "missing";
 }
 
-TEST(ClosedStrips, AreasFollowFromCountsAndMultipliers) {
+TEST(ClosedMatrix, AreasFollowFromCountsAndMultipliers) {
     const MadeStore made({12, 7, 9});
     const StripStore store(made.strips, test::strip_key, made.evidence.layout);
     const std::size_t patches = made.evidence.ids.size();
@@ -130,7 +131,7 @@ TEST(ClosedStrips, AreasFollowFromCountsAndMultipliers) {
         closure.diagonal_m2.push_back(1e-3 * static_cast<double>(p));
         area_m2.push_back(2 + static_cast<double>(p));
     }
-    ClosedStrips strips(store, area_m2, closure);
+    ClosedMatrix strips(store, area_m2, closure);
     EXPECT_EQ(strips.area_m2().data(), area_m2.data());
     EXPECT_EQ(strips.diagonal_m2()[3], 3e-3);
     const auto counts = made.evidence.pooled();

@@ -1,0 +1,188 @@
+#include "baker/store/traced_strips.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "baker/core/parallel.h"
+#include "baker/store/pooling.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::size_t not_kept = ~std::size_t{0};
+
+/// The rows of chunks [first, end), held together.
+struct Group {
+    ChunkNumber first, end;
+    std::vector<std::shared_ptr<const TracedChunk>> rows;
+};
+
+/// As many chunks from `first` on as fit half of the rows' memory, one at least.
+Group group_from(TracedRows& rows, ChunkNumber first) {
+    Group group{first, first, {}};
+    std::uint64_t bytes = 0;
+    while (group.end < rows.layout().chunk_count() && (group.rows.empty() || bytes < rows.limit_bytes() / 2)) {
+        group.rows.push_back(rows.chunk(group.end++));
+        bytes += group.rows.back()->bytes;
+    }
+    return group;
+}
+
+/// Calls body(a, b, rows of a, rows of b) for the blocks of a group's strips: b ascending, all wanted a <= b of it in parallel. Chunks
+/// that no wanted block needs are not traced.
+void visit_group(TracedRows& rows, const Group& group, const std::function<bool(ChunkNumber, ChunkNumber)>& wanted,
+                 const std::function<void(ChunkNumber, ChunkNumber, const TracedChunk&, const TracedChunk&)>& body) {
+    for (ChunkNumber b = group.first; b < rows.layout().chunk_count(); ++b) {
+        std::vector<ChunkNumber> strips;
+        for (ChunkNumber a = group.first; a < group.end && a <= b; ++a)
+            if (wanted(a, b)) strips.push_back(a);
+        if (strips.empty()) continue;
+        const auto rows_b = b < group.end ? group.rows[b - group.first] : rows.chunk(b);
+        parallel_for(strips.size(), 1, [&](std::size_t k) {
+            body(strips[k], b, *group.rows[strips[k] - group.first], *rows_b);
+        });
+    }
+}
+
+void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
+    all.insert(all.end(), part.begin(), part.end());
+}
+
+void append(StripTallies& all, const StripTallies& part) {
+    append(all.rays, part.rays);
+    append(all.self, part.self);
+    append(all.open, part.open);
+    append(all.back, part.back);
+}
+
+StripTallies of_chunk(const StripTallies& all, PatchNumber begin, PatchNumber end) {
+    const auto cut = [&](const std::vector<std::uint32_t>& column) {
+        return std::vector<std::uint32_t>(column.begin() + begin, column.begin() + end);
+    };
+    return {cut(all.rays), cut(all.self), cut(all.open), cut(all.back)};
+}
+
+struct PackedBlock {
+    ChunkNumber b;
+    std::uint64_t pair_count;
+    BlockFileWriter::Packed bytes;
+};
+
+}  // namespace
+
+StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress) {
+    const ChunkLayout& layout = rows.layout();
+    StripDirectory directory;
+    for (ChunkNumber first = 0; first < layout.chunk_count();) {
+        const Group group = group_from(rows, first);
+        std::vector<std::vector<DirectoryBlock>> strips(group.end - first);
+        visit_group(rows, group, [](ChunkNumber, ChunkNumber) { return true; },
+                    [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
+                        const StripPairs pairs = pooled_block(rows_a, rows_b, layout, a, b);
+                        if (pairs.column.empty()) return;
+                        strips[a - first].push_back({a, b, pairs.column.size(), pack_pairs(pairs, a == b).stored.size()});
+                    });
+        for (const auto& strip : strips) directory.blocks.insert(directory.blocks.end(), strip.begin(), strip.end());
+        for (const auto& chunk : group.rows) append(directory.tallies, chunk->tallies);
+        first = group.end;
+        if (progress) progress(first, layout.chunk_count());
+    }
+    return directory;
+}
+
+std::vector<bool> blocks_to_keep(const StripDirectory& directory, const TracedRows& rows, std::uint64_t budget_bytes) {
+    struct Choice {
+        std::size_t index;
+        double rays_per_byte;
+    };
+    std::vector<std::uint64_t> rays;
+    for (ChunkNumber c = 0; c < rows.layout().chunk_count(); ++c) rays.push_back(rows.rays_of(c));
+    std::vector<Choice> choices;
+    for (std::size_t k = 0; k < directory.blocks.size(); ++k) {
+        const DirectoryBlock& block = directory.blocks[k];
+        const std::uint64_t needed = block.a == block.b ? rays[block.a] : rays[block.a] + rays[block.b];
+        choices.push_back({k, static_cast<double>(needed) / static_cast<double>(block.stored_bytes)});
+    }
+    std::stable_sort(choices.begin(), choices.end(),
+                     [](const Choice& x, const Choice& y) { return x.rays_per_byte > y.rays_per_byte; });
+    std::vector<bool> keep(directory.blocks.size());
+    for (const Choice& choice : choices) {
+        const std::uint64_t bytes = directory.blocks[choice.index].stored_bytes;
+        if (bytes > budget_bytes) continue;
+        budget_bytes -= bytes;
+        keep[choice.index] = true;
+    }
+    return keep;
+}
+
+void keep_blocks(TracedRows& rows, const StripDirectory& directory, const std::vector<bool>& keep,
+                 const std::filesystem::path& folder, const Key& hot, const ProgressFunction& progress) {
+    const ChunkLayout& layout = rows.layout();
+    std::vector<std::vector<ChunkNumber>> strips(layout.chunk_count());  // wanted b of each strip that is not there, ascending
+    std::vector<bool> missing(layout.chunk_count());
+    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a)
+        missing[a] = !block_file_is_whole(strip_path(folder, a), FileKind::strip, strip_version, hot);
+    for (std::size_t k = 0; k < keep.size(); ++k)
+        if (keep[k] && missing[directory.blocks[k].a]) strips[directory.blocks[k].a].push_back(directory.blocks[k].b);
+    const auto wanted = [&](ChunkNumber a, ChunkNumber b) {
+        return std::binary_search(strips[a].begin(), strips[a].end(), b);
+    };
+    const auto write = [&](ChunkNumber a, const std::vector<PackedBlock>& blocks) {
+        if (!missing[a]) return;
+        StripWriter strip(strip_path(folder, a), hot, of_chunk(directory.tallies, layout.first_patch[a], layout.first_patch[a + 1]));
+        for (const PackedBlock& block : blocks) strip.append(block.b, block.pair_count, block.bytes);
+        strip.publish();
+    };
+    for (ChunkNumber first = 0; first < layout.chunk_count();) {
+        if (strips[first].empty()) {
+            write(first++, {});
+            continue;
+        }
+        const Group group = group_from(rows, first);
+        std::vector<std::vector<PackedBlock>> packed(group.end - first);
+        visit_group(rows, group, wanted, [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
+            const StripPairs pairs = pooled_block(rows_a, rows_b, layout, a, b);
+            packed[a - first].push_back({b, pairs.column.size(), pack_pairs(pairs, a == b)});
+        });
+        for (; first < group.end; ++first) write(first, packed[first - group.first]);
+        if (progress) progress(first, layout.chunk_count());
+    }
+}
+
+TracedStrips::TracedStrips(TracedRows& rows, StripDirectory directory, std::unique_ptr<StripStore> kept, std::uint64_t file_bytes)
+    : rows_(rows), tallies_(std::move(directory.tallies)), kept_(std::move(kept)), file_bytes_(file_bytes) {
+    const auto refuse = [](const std::string& what) {
+        return Error(ErrorCode::damaged_store, "directory of the matrix", what, "remove the bake folder and run the same bake again");
+    };
+    if (tallies_.rays.size() != layout().patch_count())
+        throw refuse("tallies of " + std::to_string(tallies_.rays.size()) + " patches, expected " + std::to_string(layout().patch_count()));
+    std::size_t next = 0;
+    const std::span<const BlockInfo> kept_blocks = kept_ ? kept_->blocks() : std::span<const BlockInfo>();
+    for (const DirectoryBlock& block : directory.blocks) {
+        if (block.b >= layout().chunk_count()) throw refuse("it names a chunk that does not exist");
+        blocks_.push_back({block.a, block.b, block.pair_count, strip_read_bytes(block.stored_bytes)});
+        const bool found = next < kept_blocks.size() && kept_blocks[next].a == block.a && kept_blocks[next].b == block.b;
+        if (found && kept_blocks[next].pair_count != block.pair_count) throw refuse("a kept block has another number of pairs");
+        kept_index_.push_back(found ? next++ : not_kept);
+    }
+    if (next != kept_blocks.size()) throw refuse("a block is kept that it does not name");
+}
+
+void TracedStrips::load(std::size_t index, CountBlock& out) const {
+    const BlockInfo& info = blocks_.at(index);
+    if (kept_index_[index] != not_kept) return kept_->load(kept_index_[index], out);
+    const auto rows_a = rows_.chunk(info.a);
+    const auto rows_b = info.b == info.a ? rows_a : rows_.chunk(info.b);
+    StripPairs pairs = pooled_block(*rows_a, *rows_b, layout(), info.a, info.b);
+    if (pairs.column.size() != info.pair_count)
+        throw Error(ErrorCode::damaged_store, "block (" + std::to_string(info.a) + ", " + std::to_string(info.b) + ") traced again",
+                    std::to_string(pairs.column.size()) + " pairs, the directory says " + std::to_string(info.pair_count),
+                    "the bake folder was made by another program or machine: use a fresh one");
+    out.a = info.a;
+    out.b = info.b;
+    out.row_begin = std::move(pairs.row_begin);
+    out.columns = std::move(pairs.column);
+    out.counts = std::move(pairs.count);
+}
+
+}  // namespace luxel

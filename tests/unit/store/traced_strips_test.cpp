@@ -1,0 +1,242 @@
+/// Blocks traced again against the strips that pooling makes of the same rays.
+#include "baker/store/traced_strips.h"
+
+#include <gtest/gtest.h>
+
+#include "baker/core/parallel.h"
+#include "tests/unit/store/made_evidence.h"
+
+namespace luxel {
+namespace {
+
+using test::MadeEvidence;
+using test::TemporaryFolder;
+
+/// Answers with made-up records as if it had traced them; counts how often it was asked.
+class MadeEstimator final : public Estimator {
+  public:
+    explicit MadeEstimator(const MadeEvidence& made) {
+        std::map<PatchId, PatchNumber> number;
+        for (PatchNumber p = 0; p < made.ids.size(); ++p) number[made.ids[p]] = p;
+        landings_.resize(made.ids.size());
+        for (const EvidenceRecord& record : made.records) {
+            replicates_ = std::max<std::uint32_t>(replicates_, record.replicate + 1u);
+            auto& all = landings_[number.at(record.patch_id)];
+            all.resize(std::max<std::size_t>(all.size(), record.replicate + std::size_t{1}));
+            Landings& l = all[record.replicate];
+            l.open += record.open;
+            l.back += record.back;
+            for (std::size_t k = record.count.size(); k-- > 0;) {  // in no particular order
+                l.patches.push_back(number.at(record.target_id[k]));
+                l.weights.push_back(record.count[k]);
+            }
+        }
+    }
+    void cast(PatchNumber patch, LevelRange, std::vector<Landings>& out) const override {
+        ++casts_;
+        out = landings_[patch];
+    }
+    [[nodiscard]] std::uint32_t replicate_count() const override { return replicates_; }
+    [[nodiscard]] Key identity() const override { return {}; }
+    [[nodiscard]] std::uint64_t casts() const { return casts_; }
+
+  private:
+    std::vector<std::vector<Landings>> landings_;
+    std::uint32_t replicates_ = 1;
+    mutable std::atomic<std::uint64_t> casts_{0};
+};
+
+/// The same rays pooled into strips, and ready to be traced again.
+struct Made {
+    explicit Made(const std::vector<std::uint32_t>& sizes, std::size_t targets = 9)
+        : evidence(test::random_evidence(sizes, targets, 3, 5)),
+          strips(pool(folder, evidence, test::write_evidence(folder.path(), evidence.records, 1000, 64), "strips")),
+          store(strips, test::strip_key, evidence.layout),
+          estimator(evidence) {}
+    [[nodiscard]] LevelPlan levels() const { return {std::vector<LevelRange>(evidence.ids.size(), LevelRange{0, 10})}; }
+    TemporaryFolder folder;
+    MadeEvidence evidence;
+    std::filesystem::path strips;
+    StripStore store;
+    MadeEstimator estimator;
+};
+
+void expect_equal_tallies(const StripTallies& found, const StripTallies& expected) {
+    EXPECT_EQ(found.rays, expected.rays);
+    EXPECT_EQ(found.self, expected.self);
+    EXPECT_EQ(found.open, expected.open);
+    EXPECT_EQ(found.back, expected.back);
+}
+
+void expect_equal(const MatrixStore& found, const StripStore& expected) {
+    expect_equal_tallies(found.tallies(), expected.tallies());
+    ASSERT_EQ(found.block_count(), expected.block_count());
+    for (std::size_t k = 0; k < expected.block_count(); ++k) {
+        const BlockInfo &a = found.blocks()[k], &b = expected.blocks()[k];
+        EXPECT_EQ(std::tuple(a.a, a.b, a.pair_count, a.read_bytes), std::tuple(b.a, b.b, b.pair_count, b.read_bytes)) << "block " << k;
+    }
+    std::atomic<std::size_t> wrong{0};
+    // Forwards and backwards at once, so that threads meet at the same chunks.
+    parallel_for(2 * expected.block_count(), 1, [&](std::size_t k) {
+        const std::size_t index = k % 2 ? k / 2 : expected.block_count() - 1 - k / 2;
+        CountBlock x, y;
+        found.load(index, x);
+        expected.load(index, y);
+        wrong += x.a != y.a || x.b != y.b || x.row_begin != y.row_begin || x.columns != y.columns || x.counts != y.counts;
+    });
+    EXPECT_EQ(wrong, 0u);
+}
+
+TEST(TracedStrips, EqualsTheStripsWhateverIsKeptInMemory) {
+    for (const std::vector<std::uint32_t>& sizes :
+         {std::vector<std::uint32_t>{1}, {2}, {40, 1, 30}, {5, 0, 7, 0}, {1, 1, 1, 1, 1, 1, 1, 1}, {300, 70, 129}}) {
+        const Made made(sizes);
+        for (const std::uint64_t limit : {std::uint64_t{0}, std::uint64_t{20000}, std::uint64_t{1} << 30})
+            for (const unsigned threads : {1u, 2u}) {
+                const ThreadLimit limited(threads);
+                TracedRows rows(made.estimator, made.evidence.layout, made.levels(), limit);
+                const TracedStrips traced(rows, find_directory(rows, {}), nullptr, 0);
+                expect_equal(traced, made.store);
+                EXPECT_LE(rows.held_bytes(), limit);
+            }
+    }
+}
+
+TEST(TracedStrips, TracesOnceWhatFitsIntoMemory) {
+    const Made made({200, 150, 180, 70, 90});
+    TracedRows rows(made.estimator, made.evidence.layout, made.levels(), std::uint64_t{1} << 30);
+    const TracedStrips traced(rows, find_directory(rows, {}), nullptr, 0);
+    expect_equal(traced, made.store);
+    EXPECT_EQ(made.estimator.casts(), made.evidence.ids.size());
+    EXPECT_EQ(rows.rays_traced(), rows.rays_of_all());
+    rows.forget();
+    EXPECT_EQ(rows.held_bytes(), 0u);
+    expect_equal(traced, made.store);
+    EXPECT_EQ(rows.rays_traced(), 2 * rows.rays_of_all());
+}
+
+/// Half of the rows fit: going through all chunks again and again must find about half of them there.
+TEST(TracedStrips, HalfOfTheMemoryIsHalfOfTheTraces) {
+    const Made made(std::vector<std::uint32_t>(16, 40));
+    TracedRows all(made.estimator, made.evidence.layout, made.levels(), std::uint64_t{1} << 30);
+    for (ChunkNumber c = 0; c < 16; ++c) all.chunk(c);
+    TracedRows half(made.estimator, made.evidence.layout, made.levels(), all.held_bytes() / 2);
+    const std::uint64_t before = made.estimator.casts();
+    for (int pass = 0; pass < 10; ++pass)
+        for (ChunkNumber c = 0; c < 16; ++c) half.chunk(c);
+    const double traced = static_cast<double>(made.estimator.casts() - before) / (10.0 * 16 * 40);
+    EXPECT_GT(traced, 0.4);
+    EXPECT_LT(traced, 0.7);
+}
+
+TEST(TracedStrips, KeptBlocksAreReadAndNotTraced) {
+    const Made made({60, 1, 50, 0, 80, 40});
+    const Key hot{31, 32};
+    for (const double share : {0.0, 0.1, 0.5, 1.0}) {
+        TracedRows rows(made.estimator, made.evidence.layout, made.levels(), std::uint64_t{1} << 30);
+        StripDirectory directory = find_directory(rows, {});
+        std::uint64_t all = 0, kept_bytes = 0, kept_blocks = 0;
+        for (const DirectoryBlock& block : directory.blocks) all += block.stored_bytes;
+        const auto budget = static_cast<std::uint64_t>(share * static_cast<double>(all));
+        const std::vector<bool> keep = blocks_to_keep(directory, rows, budget);
+        for (std::size_t k = 0; k < keep.size(); ++k)
+            if (keep[k]) kept_bytes += directory.blocks[k].stored_bytes, ++kept_blocks;
+        EXPECT_LE(kept_bytes, budget);
+        for (std::size_t k = 0; k < keep.size(); ++k)
+            EXPECT_TRUE(keep[k] || directory.blocks[k].stored_bytes > budget - kept_bytes) << "block " << k << " would have fitted";
+        const auto folder = made.folder / ("hot" + std::to_string(share));
+        std::filesystem::create_directory(folder);
+        keep_blocks(rows, directory, keep, folder, hot, {});
+        // Only what is missing is made again.
+        const Bytes first = read_file(strip_path(folder, 0));
+        std::filesystem::remove(strip_path(folder, 0));
+        keep_blocks(rows, directory, keep, folder, hot, {});
+        EXPECT_EQ(read_file(strip_path(folder, 0)), first);
+
+        const TracedStrips traced(rows, directory, std::make_unique<StripStore>(folder, hot, made.evidence.layout), 0);
+        expect_equal(traced, made.store);
+        rows.forget();
+        const std::uint64_t before = made.estimator.casts();
+        CountBlock block;
+        for (std::size_t k = 0; k < keep.size(); ++k)
+            if (keep[k]) traced.load(k, block);
+        EXPECT_EQ(made.estimator.casts(), before);
+        EXPECT_EQ(kept_blocks == keep.size(), share == 1.0);
+    }
+}
+
+TEST(TracedStrips, KeepsWhatCostsMostRaysPerByte) {
+    const Made made({10, 10, 10});
+    LevelPlan levels = made.levels();
+    for (PatchNumber p = 20; p < 30; ++p) levels.levels[p].last = 14;  // the third chunk has sixteen times the rays
+    TracedRows rows(made.estimator, made.evidence.layout, levels, 0);
+    StripDirectory directory;
+    directory.blocks = {{0, 0, 5, 100}, {0, 1, 5, 100}, {0, 2, 5, 100}, {1, 1, 5, 10}, {1, 2, 5, 2000}, {2, 2, 5, 100}};
+    const auto kept = [&](std::uint64_t budget) {
+        std::string text;
+        for (const bool keep : blocks_to_keep(directory, rows, budget)) text += keep ? '1' : '0';
+        return text;
+    };
+    // Rays per byte: 0.01, 0.02, 0.17, 0.1, 0.0085, 0.16 in units of a chunk's 1,024.
+    EXPECT_EQ(kept(0), "000000");
+    EXPECT_EQ(kept(100), "001000");
+    EXPECT_EQ(kept(200), "001001");
+    EXPECT_EQ(kept(110), "001100") << "what does not fit is passed over";
+    EXPECT_EQ(kept(310), "011101");
+    EXPECT_EQ(kept(410), "111101");
+    EXPECT_EQ(kept(2410), "111111");
+}
+
+ErrorCode code_of(const std::function<void()>& body) {
+    try {
+        body();
+    } catch (const Error& error) {
+        EXPECT_FALSE(error.hint.empty());
+        return error.code;
+    }
+    return {};
+}
+
+TEST(TracedStrips, RefusesADirectoryOfOtherRays) {
+    const Made made({30, 20});
+    TracedRows rows(made.estimator, made.evidence.layout, made.levels(), 1 << 20);
+    const StripDirectory whole = find_directory(rows, {});
+    StripDirectory directory = whole;
+    ++directory.blocks[1].pair_count;
+    const TracedStrips traced(rows, directory, nullptr, 0);
+    CountBlock block;
+    traced.load(0, block);
+    EXPECT_EQ(code_of([&] { traced.load(1, block); }), ErrorCode::damaged_store);
+    directory = whole;
+    directory.tallies.rays.pop_back();
+    EXPECT_EQ(code_of([&] { TracedStrips(rows, directory, nullptr, 0); }), ErrorCode::damaged_store);
+    directory = whole;
+    directory.blocks.push_back({1, 2, 1, 1});
+    EXPECT_EQ(code_of([&] { TracedStrips(rows, directory, nullptr, 0); }), ErrorCode::damaged_store);
+    // Kept blocks that the directory does not have, or has with other sizes.
+    directory = whole;
+    directory.blocks.erase(directory.blocks.begin());
+    const auto kept = [&] { return std::make_unique<StripStore>(made.strips, test::strip_key, made.evidence.layout); };
+    EXPECT_EQ(code_of([&] { TracedStrips(rows, directory, kept(), 0); }), ErrorCode::damaged_store);
+    directory = whole;
+    ++directory.blocks[0].pair_count;
+    EXPECT_EQ(code_of([&] { TracedStrips(rows, directory, kept(), 0); }), ErrorCode::damaged_store);
+}
+
+TEST(TracedStrips, RefusesCountsThatStripsCannotHold) {
+    MadeEvidence evidence;
+    evidence.layout.first_patch = {0, 1, 2};
+    evidence.ids = {7, 8};
+    evidence.records = {{7, 0, 0, 31, 0, 0, {8}, {1u << 31}}, {8, 0, 0, 31, 0, 0, {7}, {1u << 31}}};
+    const MadeEstimator estimator(evidence);
+    TracedRows rows(estimator, evidence.layout, {{2, LevelRange{0, 20}}}, 1 << 20);
+    EXPECT_EQ(code_of([&] { find_directory(rows, {}); }), ErrorCode::damaged_store) << "of a pair";
+    evidence.records.push_back({7, 1, 0, 31, 1u << 31, 0, {}, {}});
+    const MadeEstimator more(evidence);
+    TracedRows too_many(more, evidence.layout, {{2, LevelRange{0, 20}}}, 1 << 20);
+    EXPECT_EQ(code_of([&] { parallel_for(8, 1, [&](std::size_t k) { too_many.chunk(k % 2); }); }), ErrorCode::damaged_store) << "of a patch";
+    EXPECT_EQ(code_of([&] { too_many.chunk(0); }), ErrorCode::damaged_store) << "again";
+}
+
+}  // namespace
+}  // namespace luxel
