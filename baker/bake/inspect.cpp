@@ -56,7 +56,6 @@ void judge_rows(const StoredMatrix& m, const Rows& rows, MatrixInspection& out) 
         out.least_row = std::min(out.least_row, row_m2 / area_m2);
         out.most_row = std::max(out.most_row, row_m2 / area_m2);
         out.row_error = std::max(out.row_error, std::abs(row_m2 + m.closure.row_open_m2[p] - area_m2) / area_m2);
-        out.area_m2 += area_m2;
         surface_m2 += row_m2;
     }
     if (m.layout.patch_count() == 0) out.least_row = 0;
@@ -80,18 +79,57 @@ std::vector<StoredRow> largest(const StoredMatrix& m, const Rows& rows, std::siz
 
 }  // namespace
 
+const StageEntry* directory_of(const FolderListing& listing, const Key& strips) {
+    return listing.find("strips", strips) ? nullptr : listing.find("directory", strips);
+}
+
 StoredMatrix::StoredMatrix(const FolderListing& listing, const Key& strip_key) : key(strip_key) {
     patches = load_patches(need(listing, "patches", key).path, key);
     layout.first_patch = patches.first_patch;
-    strip_folder = need(listing, "strips", key).path;
-    strips = std::make_unique<StripStore>(strip_folder, key, layout);
     auto closed = load_closure(need(listing, "closure", patches.closure).path, patches.closure, patches.ids.size());
     closure = std::move(*closed);
+    if (const StageEntry* entry = directory_of(listing, key)) {
+        directory = load_directory(entry->path, key);
+        if (directory->tallies.rays.size() != patches.ids.size())
+            throw Error(ErrorCode::damaged_store, entry->path.string(), "tallies of another number of patches", "run the same bake again");
+        if (!directory->hot_bytes) return;
+        const Key hot = BakeFolder::hot_key(key);
+        strip_folder = need(listing, "hot", hot).path;
+        strips = std::make_unique<StripStore>(strip_folder, hot, layout);
+        return;
+    }
+    strip_folder = need(listing, "strips", key).path;
+    strips = std::make_unique<StripStore>(strip_folder, key, layout);
     for (const Key& round : patches.evidence) {
         const auto folder = need(listing, "evidence", round).path;
         for (ChunkNumber c = 0; c < layout.chunk_count(); ++c) evidence.push_back({BakeFolder::evidence_file(folder, c), round});
     }
 }
+
+namespace {
+
+void describe_store(const FolderListing& listing, const StoredMatrix& m, MatrixInspection& out) {
+    if (m.strips) {
+        out.kept_blocks = m.strips->block_count();
+        out.kept_pairs = m.strips->pair_count();
+        out.strip_bytes = m.strips->file_bytes();
+    }
+    if (m.is_whole()) {
+        out.store = "all";
+        out.blocks = out.kept_blocks;
+        out.pairs = out.kept_pairs;
+        return;
+    }
+    out.store = m.strips ? "hot" : "none";
+    out.strip_bytes += directory_of(listing, m.key)->bytes;
+    out.blocks = m.directory->blocks.size();
+    for (const DirectoryBlock& block : m.directory->blocks) {
+        out.pairs += block.pair_count;
+        out.all_bytes += block.stored_bytes;
+    }
+}
+
+}  // namespace
 
 MatrixInspection inspect_matrix(const FolderListing& listing, const StoredMatrix& m, std::size_t largest_rows,
                                 const ProgressFunction& progress) {
@@ -104,24 +142,24 @@ MatrixInspection inspect_matrix(const FolderListing& listing, const StoredMatrix
         out.smallest_chunk = c ? std::min<std::uint64_t>(out.smallest_chunk, m.layout.size(c)) : m.layout.size(c);
         out.largest_chunk = std::max<std::uint64_t>(out.largest_chunk, m.layout.size(c));
     }
-    out.blocks = m.strips->block_count();
-    out.pairs = m.strips->pair_count();
-    out.strip_bytes = m.strips->file_bytes();
+    describe_store(listing, m, out);
     out.possible_pairs = out.patches ? out.patches * (out.patches - 1) / 2 : 0;
     for (const Key& key : m.patches.evidence) {
-        const StageEntry& entry = need(listing, "evidence", key);
-        out.rounds.push_back({key, entry.files.size(), entry.bytes});
+        const StageEntry* entry = m.is_whole() ? &need(listing, "evidence", key) : nullptr;
+        out.rounds.push_back({key, entry ? entry->files.size() : 0, entry ? entry->bytes : 0});
     }
-    const auto& rays = m.strips->tallies().rays;
+    const auto& rays = m.tallies().rays;
     for (const std::uint32_t n : rays) out.rays += n;
     if (!rays.empty()) {
         out.least_rays = *std::min_element(rays.begin(), rays.end());
         out.most_rays = *std::max_element(rays.begin(), rays.end());
     }
     out.closure = m.closure.report;
+    out.pairs_per_patch = out.patches ? 2.0 * static_cast<double>(out.pairs) / static_cast<double>(out.patches) : 0;
+    for (const double area_m2 : m.patches.area_m2) out.area_m2 += area_m2;
+    if (!m.is_whole()) return out;
     const Rows rows = add_rows(m, progress);
     judge_rows(m, rows, out);
-    out.pairs_per_patch = out.patches ? 2.0 * static_cast<double>(out.pairs) / static_cast<double>(out.patches) : 0;
     out.largest_rows = largest(m, rows, largest_rows);
     return out;
 }

@@ -19,7 +19,8 @@ constexpr double row_tolerance = 1e-9;
 FileKind kind_of(const std::string& stage) {
     if (stage == "atlas") return FileKind::atlas;
     if (stage == "evidence") return FileKind::evidence;
-    if (stage == "strips") return FileKind::strip;
+    if (stage == "strips" || stage == "hot") return FileKind::strip;
+    if (stage == "directory") return FileKind::directory;
     if (stage == "patches") return FileKind::patches;
     if (stage == "plan") return FileKind::plan;
     if (stage == "closure") return FileKind::closure;
@@ -44,7 +45,8 @@ void load_whole(const std::string& stage, const std::filesystem::path& path, con
     if (stage == "solution") load_solution(path, key, elements(file, 0, 24));
     if (stage == "accuracy") load_accuracy(path, key, elements(file, 0, 24));
     if (stage == "lightmaps") load_lightmap(path, key, elements(file, 0, 12));
-    if (stage == "strips") {
+    if (stage == "directory") load_directory(path, key);
+    if (stage == "strips" || stage == "hot") {
         read_tallies(file);
         read_strip_directory(file);
     }
@@ -143,9 +145,14 @@ class Verifier {
                 if (const auto path = name(entry->path, c); !found.erase(path)) add({path.string(), "is missing"});
             for (const auto& path : found) add({path.string(), "the bake has only " + std::to_string(chunks) + " chunks"});
         };
-        check("strips", key, [](const auto& folder, ChunkNumber c) { return strip_path(folder, c); });
-        for (const Key& round : patches.evidence)
-            check("evidence", round, [](const auto& folder, ChunkNumber c) { return BakeFolder::evidence_file(folder, c); });
+        const auto strip = [](const auto& folder, ChunkNumber c) { return strip_path(folder, c); };
+        if (const StageEntry* directory = directory_of(listing_, key)) {
+            if (load_directory(directory->path, key)->hot_bytes) check("hot", BakeFolder::hot_key(key), strip);
+        } else {
+            check("strips", key, strip);
+            for (const Key& round : patches.evidence)
+                check("evidence", round, [](const auto& folder, ChunkNumber c) { return BakeFolder::evidence_file(folder, c); });
+        }
         if (!listing_.find("closure", patches.closure))
             add({(listing_.root / ("closure-" + patches.closure.text() + ".lxc")).string(), "is missing"});
         return out_.findings.size() == before;
@@ -153,8 +160,9 @@ class Verifier {
 
     void check_opened(const StoredMatrix& matrix) {
         const std::size_t before = out_.findings.size();
-        check_strip_blocks(matrix);
+        if (matrix.strips) check_strip_blocks(matrix);
         if (out_.findings.size() != before) return leave_out("the matrix: blocks are damaged");
+        if (!matrix.is_whole()) return check_directory(matrix);
         out_.row_error = inspect_matrix(listing_, matrix, 0, progress("rows", "blocks")).row_error;
         if (!(out_.row_error <= row_tolerance))
             add({listing_.find("closure", matrix.patches.closure)->path.string(),
@@ -164,6 +172,30 @@ class Verifier {
             add(std::move(finding));
         out_.recounted = true;
         check_sampler(matrix);
+    }
+
+    /// Of a matrix that is not whole: the kept blocks and their tallies are those of the directory.
+    void check_directory(const StoredMatrix& matrix) {
+        const std::string where = directory_of(listing_, matrix.key)->path.string();
+        const StripTallies& tallies = matrix.tallies();
+        if (matrix.strips) {
+            const StripTallies& kept = matrix.strips->tallies();
+            if (kept.rays != tallies.rays || kept.self != tallies.self || kept.open != tallies.open || kept.back != tallies.back)
+                add({where, "other tallies than those of the kept blocks"});
+            auto at = matrix.directory->blocks.begin();
+            const auto end = matrix.directory->blocks.end();
+            for (const BlockInfo& block : matrix.strips->blocks()) {
+                while (at != end && (at->a != block.a || at->b != block.b)) ++at;
+                if (at == end || at->pair_count != block.pair_count) {
+                    add({where, "block (" + std::to_string(block.a) + ", " + std::to_string(block.b) + ") is kept, but not as it is named here"});
+                    break;
+                }
+            }
+        }
+        for (const DirectoryBlock& block : matrix.directory->blocks)
+            if (block.b >= matrix.layout.chunk_count()) return add({where, "it names a chunk that does not exist"});
+        leave_out(std::string("recount, rows and flux self-check: evidence is not stored, and ") +
+                  (matrix.strips ? "only some blocks are (--store hot)" : "no blocks are (--store none)"));
     }
 
     void check_strip_blocks(const StoredMatrix& matrix) {
@@ -183,7 +215,7 @@ class Verifier {
     void check_sampler(const StoredMatrix& matrix) {
         if (matrix.patches.estimator != "ray")
             return leave_out("the flux self-check: counts of the " + matrix.patches.estimator + " estimator do not scatter");
-        out_.flux = check_flux({matrix.patches.ids, matrix.patches.area_m2, matrix.strips->tallies().rays}, matrix.evidence,
+        out_.flux = check_flux({matrix.patches.ids, matrix.patches.area_m2, matrix.tallies().rays}, matrix.evidence,
                                options_.flux, progress("flux", "files"));
         out_.flux_checked = true;
         if (out_.flux.passed) return;

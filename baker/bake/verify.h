@@ -29,7 +29,8 @@ struct Verification {
 
 /// 1. Every block of every file in the folder: checksum, and all that its format demands.
 /// 2. Of the bake with strip key `strips`: no file is missing or too many; tallies and every count equal the evidence;
-///    rows with closure, diagonal and open share are exact; the flux self-check.
+///    rows with closure, diagonal and open share are exact; the flux self-check. Of a bake with --store hot or none: what is kept
+///    agrees with the directory.
 /// What cannot be read any more is not compared: the second part needs a first one without findings about its files.
 Verification verify_bake(const FolderListing& listing, const Key& strips, const VerifyOptions& options = {});
 

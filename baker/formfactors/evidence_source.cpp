@@ -12,7 +12,7 @@ void EvidenceFiles::visit(const Visitor& body) const {
         const BlockFileReader file(entry.path, FileKind::evidence, evidence_version, &entry.key);
         for (std::size_t k = 0; k < file.blocks().size(); ++k) {
             const std::string where = file.name() + ": block " + std::to_string(k);
-            body(decode_evidence(file.read(k), where), where);
+            body(read_evidence_block(file, k), where);
         }
     }
 }

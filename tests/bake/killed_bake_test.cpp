@@ -39,7 +39,7 @@ class KilledBake : public testing::Test {
     [[nodiscard]] std::vector<std::string> arguments(const std::string& name) const {
         return {"bake", sample("two_rooms").string(), "-o", (folder_ / name / "out/scene.glb").string(), "--work", work(name).string(),
                 "--texels-per-metre", "12", "--atlas-size", "256", "--patch-texels", "2", "--chunk-patches", "128", "--rays", "1024",
-                "--gather-rays", "0", "--threads", "2"};
+                "--gather-rays", "0", "--threads", "2", "--store", store_};
     }
     [[nodiscard]] std::filesystem::path work(const std::string& name) const { return folder_ / name / "work"; }
     [[nodiscard]] std::string log() const {
@@ -109,6 +109,7 @@ class KilledBake : public testing::Test {
     }
 
     const TemporaryFolder folder_;
+    std::string store_ = "all";
 };
 
 TEST_F(KilledBake, IsContinuedByTheNextRun) {
@@ -161,6 +162,45 @@ TEST_F(KilledBake, IsContinuedByTheNextRun) {
     EXPECT_GT(moments[Moment::evidence], 0);
     EXPECT_GT(kept, 0);
     EXPECT_TRUE(kills < 50 || moments[Moment::pooling] > 0);
+}
+
+/// Without evidence on the disk a killed run has lost the rays since the last directory or kept strip, and nothing else.
+TEST_F(KilledBake, OfAStoreThatIsNotAllIsContinuedToo) {
+    int killed = 0, kept = 0;
+    for (const char* store : {"none", "hot"}) {
+        store_ = store;
+        const std::string undisturbed = std::string("whole-") + store;
+        const std::vector<Span> spans = measure(undisturbed);
+        const FileBytes outputs = files_below(folder_ / undisturbed / "out"), stored = files_below(work(undisturbed));
+        std::mt19937 random(11);
+        std::uniform_real_distribution<double> place(spans.front().begin, spans.back().end + 0.1);
+        for (int run = 0; run < kills / 2; ++run) {
+            const double after_s = place(random);
+            SCOPED_TRACE(std::string(store) + " killed after " + std::to_string(after_s) + " s");
+            const std::string name = store + std::to_string(run);
+            const bool was_killed = run_luxel(arguments(name), folder_ / "log", after_s).killed;
+            killed += was_killed;
+            expect_only_whole_outputs(name, outputs);
+            Stamps published;  // of the last matrix: those of the rounds before are removed
+            for (const char* stage : {"hot-", "closure-"})
+                for (const auto& [file, stamp] : stamps(name, stage))
+                    if (stored.contains(file)) published[file] = stamp;
+            ASSERT_EQ(run_luxel(arguments(name), folder_ / "log").exit_code, 0) << log();
+            for (const char* stage : {"hot-", "closure-"})
+                for (const auto& [file, stamp] : stamps(name, stage))
+                    if (published.contains(file)) {
+                        ASSERT_EQ(stamp, published.at(file)) << file << " was finished, and made again";
+                        ++kept;
+                    }
+            EXPECT_EQ(temporaries(name), 0u) << "of the killed run";
+            ASSERT_EQ(differences(outputs, files_below(folder_ / name / "out")), "");
+            ASSERT_EQ(differences(stored, files_below(work(name))), "");
+            std::filesystem::remove_all(folder_ / name);
+        }
+    }
+    std::printf("%d kills; %d finished files were used again\n", killed, kept);
+    EXPECT_GT(killed, 0);
+    EXPECT_TRUE(kills < 50 || kept > 0);
 }
 
 }  // namespace

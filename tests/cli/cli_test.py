@@ -98,7 +98,7 @@ class Help(Case):
               "--tolerance": "0.01", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
               "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
-              "--report": "{folder}/report.json", "--verify": "", "--quiet": ""}
+              "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": ""}
 
     def test_help(self):
         for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):
@@ -140,8 +140,8 @@ class Help(Case):
             report = json.load(file)
         self.assertEqual(report["schema"], 1)
         for part, members in {
-                "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "bytes bytes_per_pair",
-                "evidence": "rays rays_per_second rounds", "solve": "solver reads error_bound history",
+                "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
+                "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history",
                 "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
             for member in members.split():
                 self.assertIn(member, report[part])
@@ -153,6 +153,26 @@ class Help(Case):
         self.assertIsInstance(report["warnings"], list)
         self.assertIsInstance(report["skipped"], list)
         self.assertGreater(report["counts"]["pairs"], 0)
+
+
+class Store(Case):
+    def test_choices_change_the_disk_and_not_the_result(self):
+        results, kept = {}, {}
+        for store in ("all", "hot", "none"):
+            self.output = os.path.join(self.folder, store, "scene.glb")
+            work = self.path(store + ".luxel")
+            self.assert_done(self.bake("--store", store, "--work", work, "--report", self.path("report.json")))
+            with open(self.path("report.json"), encoding="utf-8") as file:
+                report = json.load(file)
+            self.assertEqual(report["store"]["kind"], store)
+            folder = os.path.join(self.folder, store)
+            results[store] = {name: read(os.path.join(folder, name)) for name in files_below(folder)}
+            kept[store] = {name.split("-")[0] for name in files_below(work)}
+        self.assertEqual(results["hot"], results["all"])
+        self.assertEqual(results["none"], results["all"])
+        self.assertEqual(kept["all"] - kept["none"], {"evidence", "strips"})
+        self.assertEqual(kept["none"] - kept["all"], {"directory"})
+        self.assertEqual(kept["hot"] - kept["none"], {"hot"})
 
 
 class Usage(Case):
@@ -167,7 +187,9 @@ class Usage(Case):
                 (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
                 (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
                 (["--interpolation", "cubic"], "linear"), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
-                (["--memory", "99999999999G"], "--memory"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):
+                (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
+                (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),
+                (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):
             with self.subTest(arguments):
                 # Should it be accepted, it shall not take long.
                 small = [part for name, value in zip(SMALL[::2], SMALL[1::2]) if name not in arguments for part in (name, value)]

@@ -245,6 +245,75 @@ class Damage(Folder):
         self.assertEqual(self.verify().returncode, 0)
 
 
+class NotAllStored(Folder):
+    """Folders of --store hot and none are whole without strips; what is in them is checked."""
+
+    def setUp(self):
+        super().setUp()
+        self.whole = self.json()["matrix"]
+
+    def bake(self, store):
+        result = run("bake", TWO_ROOMS, "-o", self.path("scene.glb"), "--work", self.work, "--store", store, *SETTINGS)
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_is_told_and_no_damage(self):
+        for store in ("hot", "none"):
+            self.bake(store)
+            result = self.verify()
+            self.assertEqual((result.returncode, result.stderr.count("error")), (0, 0), result.stderr)
+            self.assertRegex(result.stdout, rf"strips +--store {store}: \d+ of {self.whole['blocks']} blocks kept, .* traced again when needed")
+            self.assertRegex(result.stdout, rf"not checked +recount, .*--store {store}\)")
+            found = self.json("--verify")
+            matrix, verify = found["matrix"], found["verify"]
+            for member in ("key", "patches", "blocks", "pairs", "chunks", "closure", "area_m2"):
+                self.assertEqual(matrix[member], self.whole[member], member)
+            self.assertEqual(matrix["store"]["kind"], store)
+            self.assertEqual(matrix["store"]["kept_blocks"] > 0, store == "hot")
+            self.assertLess(matrix["store"]["kept_blocks"], matrix["blocks"])
+            self.assertEqual(matrix["evidence"]["rays"], self.whole["evidence"]["rays"])
+            self.assertNotIn("row_sums", matrix)
+            self.assertTrue(verify["passed"])
+            self.assertFalse(verify["recounted"])
+            kept = self.find("hot-*/*") + self.find("directory-*")
+            self.assertEqual(matrix["bytes"], sum(os.path.getsize(path) for path in kept))
+            self.assertEqual(verify["files"], len(files_below(self.work)))
+
+    def flip_middle(self, path):
+        with open(path, "r+b") as file:
+            file.seek(os.path.getsize(path) // 2)
+            byte = file.read(1)[0]
+            file.seek(os.path.getsize(path) // 2)
+            file.write(bytes([byte ^ 0x10]))
+
+    def test_damage_is_found(self):
+        self.bake("hot")
+        # The strip with most in it: its middle is a block.
+        strip = max(self.find("hot-*/*"), key=os.path.getsize)
+        for path in (strip, self.find("directory-*")[0]):
+            aside = self.path("aside")
+            shutil.copy(path, aside)
+            self.flip_middle(path)
+            result = self.verify()
+            self.assertEqual(result.returncode, DAMAGED_STORE, path)
+            self.assertIn(os.path.basename(path), result.stderr)
+            os.remove(path)
+            result = self.verify()
+            self.assertEqual(result.returncode, DAMAGED_STORE, path)
+            self.assertIn("missing", result.stderr)
+            # As every message says: the same bake makes it again, byte for byte.
+            self.bake("hot")
+            with open(path, "rb") as made, open(aside, "rb") as before:
+                self.assertEqual(made.read(), before.read())
+            self.assertEqual(self.verify().returncode, 0)
+
+    def test_kept_blocks_of_another_bake(self):
+        """A whole file in the wrong place: the directory does not know its blocks."""
+        self.bake("hot")
+        files = self.find("hot-*/*")
+        shutil.copy(files[0], files[1])
+        self.assertEqual(self.verify().returncode, DAMAGED_STORE)
+
+
 if __name__ == "__main__":
     cli_test.LUXEL = os.path.abspath(sys.argv.pop(1))
     unittest.main()

@@ -29,11 +29,16 @@ std::string matrix_text(const MatrixInspection& m, const FolderListing& listing)
     text += fmt::format("matrix {}{}\n", m.key.text(), listing.bakes.size() > 1 && listing.bakes.front() == m.key ? " (newest)" : "");
     line("patches", fmt::format("{}, {:.6g} m2, in {} chunks of {} to {}", m.patches, m.area_m2, m.chunks, m.smallest_chunk, m.largest_chunk));
     line("pairs", fmt::format("{} in {} blocks, {} of all possible; {:.1f} per patch", m.pairs, m.blocks, fmt::format("{:.2f} %", 100 * m.density()), m.pairs_per_patch));
-    line("strips", fmt::format("{}, {:.3f} bytes per pair", bytes_text(m.strip_bytes), m.bytes_per_pair()));
+    if (m.is_whole())
+        line("strips", fmt::format("{}, {:.3f} bytes per pair", bytes_text(m.strip_bytes), m.bytes_per_pair()));
+    else
+        line("strips", fmt::format("--store {}: {} of {} blocks kept, {} on disk instead of {}; the others are traced again when needed", m.store,
+                                   m.kept_blocks, m.blocks, bytes_text(m.strip_bytes), bytes_text(m.all_bytes)));
     line("evidence", fmt::format("{} rays ({}), {} to {} per patch, {} round{}", m.rays, m.estimator, m.least_rays, m.most_rays, m.rounds.size(), m.rounds.size() == 1 ? "" : "s"));
     for (std::size_t k = 0; k < m.rounds.size(); ++k)
-        line("", fmt::format("round {}: {} in {} files, evidence-{}", k + 1, bytes_text(m.rounds[k].bytes), m.rounds[k].files, short_key(m.rounds[k].key)));
-    line("row sums", fmt::format("{:.6f} to {:.6f}, mean {:.6f}; off by {:.1e} at most with the open share", m.least_row, m.most_row, m.mean_row, m.row_error));
+        line("", m.is_whole() ? fmt::format("round {}: {} in {} files, evidence-{}", k + 1, bytes_text(m.rounds[k].bytes), m.rounds[k].files, short_key(m.rounds[k].key))
+                              : fmt::format("round {}: not stored", k + 1));
+    if (m.is_whole()) line("row sums", fmt::format("{:.6f} to {:.6f}, mean {:.6f}; off by {:.1e} at most with the open share", m.least_row, m.most_row, m.mean_row, m.row_error));
     line("closure", fmt::format("{} iterations; largest row error {:.2e} before, {:.2e} after; {:.2e} of the area moved to the diagonal",
                                 m.closure.iterations, m.closure.max_row_error_before, m.closure.max_row_error_after, m.closure.remainder_share));
     if (!m.largest_rows.empty()) text += "  largest rows\n";
@@ -94,7 +99,7 @@ json matrix_json(const MatrixInspection& m) {
     json rows = json::array();
     for (const StoredRow& r : m.largest_rows)
         rows.push_back({{"patch", r.patch}, {"id", fmt::format("{:016x}", r.id)}, {"chunk", r.chunk}, {"pairs", r.pairs}, {"area_m2", r.area_m2}});
-    return {{"key", m.key.text()},
+    json out = {{"key", m.key.text()},
             {"patches", m.patches},
             {"area_m2", m.area_m2},
             {"chunks", {{"count", m.chunks}, {"smallest", m.smallest_chunk}, {"largest", m.largest_chunk}}},
@@ -104,9 +109,9 @@ json matrix_json(const MatrixInspection& m) {
             {"density", m.density()},
             {"bytes", m.strip_bytes},
             {"bytes_per_pair", m.bytes_per_pair()},
+            {"store", {{"kind", m.store}, {"kept_blocks", m.kept_blocks}, {"kept_pairs", m.kept_pairs}}},
             {"evidence",
              {{"estimator", m.estimator}, {"rays", m.rays}, {"least_rays", m.least_rays}, {"most_rays", m.most_rays}, {"rounds", rounds}}},
-            {"row_sums", {{"least", m.least_row}, {"mean", m.mean_row}, {"most", m.most_row}, {"error", m.row_error}}},
             {"closure",
              {{"iterations", m.closure.iterations},
               {"max_row_error_before", m.closure.max_row_error_before},
@@ -118,8 +123,11 @@ json matrix_json(const MatrixInspection& m) {
               {"short_rows", m.closure.short_rows},
               {"short_share", m.closure.short_share},
               {"largest_change", m.closure.largest_change},
-              {"mean_change", m.closure.mean_change}}},
-            {"largest_rows", rows}};
+              {"mean_change", m.closure.mean_change}}}};
+    if (!m.is_whole()) return out;
+    out["row_sums"] = {{"least", m.least_row}, {"mean", m.mean_row}, {"most", m.most_row}, {"error", m.row_error}};
+    out["largest_rows"] = rows;
+    return out;
 }
 
 }  // namespace
