@@ -1,40 +1,24 @@
-/// What the rays of a chunk met, traced when it is asked for: the half of a block that one of its chunks finds. A pure
-/// function of geometry, stable ids, levels and the estimator's options, so nothing of it needs a place on the disk.
+/// Blocks from rays that are traced when they are asked for. What a chunk's rays meet is a pure function of geometry, stable ids, levels
+/// and the estimator's options, so nothing of it needs a place on the disk.
 #pragma once
 #include <atomic>
 #include <condition_variable>
-#include <exception>
-#include <memory>
+#include <list>
+#include <map>
 #include <mutex>
-#include <vector>
+#include <optional>
 
-#include "baker/formfactors/estimator.h"
-#include "baker/formfactors/level_plan.h"
-#include "baker/store/matrix_store.h"
+#include "baker/store/traced_chunk.h"
 
 namespace luxel {
 
-/// The rays of one chunk, counted and packed as strips are: by runs of neighbouring rows and by the chunk that was met.
-struct TracedChunk {
-    /// Rows first_row .. of the chunk against one other chunk, or the chunk itself (then without what landed on its own patch).
-    struct Segment {
-        ChunkNumber target = 0;
-        BlockFileWriter::Packed pairs;  ///< pack_pairs(..., false)
-    };
-    struct Run {
-        std::uint32_t first_row = 0, rows = 0;
-        std::vector<Segment> segments;  ///< ascending targets
-    };
-    StripTallies tallies;
-    std::vector<Run> runs;
-    std::uint64_t bytes = 0;  ///< resident
-};
-
-/// Keeps the rows of as many chunks as fit the limit. When they do not all fit, the one that was used last makes room: readers
-/// go through all chunks again and again, so it is the one that will be needed latest. What is kept changes only what is
-/// traced again, never a result.
-/// Threads: chunk() is reentrant, also from inside parallel loops; whoever has to wait for a trace takes part in it.
-/// Memory: limit_bytes, one chunk for each thread beyond it, and 128 rows per thread while they are traced.
+/// Keeps the sides of blocks up to a limit. A trace of a chunk yields a side of every block that the chunk is part of; when they do not
+/// all fit, those stay that are needed first by a reader who is at a block, goes on in the order of (a, b) and begins again at the end.
+/// So a pass over all blocks traces the scene about as often as half its rows are larger than the limit, whatever the number of
+/// chunks. The last few chunks stay whole, for readers who go along a row. What is kept changes only what is traced again, never a
+/// result.
+/// Threads: reentrant, also from inside parallel loops; whoever has to wait for a trace takes part in it.
+/// Memory: limit_bytes, one chunk beyond it, and run_rows rows per thread while they are traced.
 class TracedRows {
   public:
     /// Keeps references to `estimator` and `layout`, which must outlive it. `levels`: all that each patch has sent.
@@ -42,43 +26,54 @@ class TracedRows {
 
     [[nodiscard]] const ChunkLayout& layout() const { return layout_; }
     [[nodiscard]] std::uint64_t limit_bytes() const { return limit_bytes_; }
-    /// Throws Error{damaged_store} when a patch or pair has 2^32 rays or more.
-    std::shared_ptr<const TracedChunk> chunk(ChunkNumber c);
+    struct Place {
+        ChunkNumber a = 0, b = 0;  ///< a <= b
+        bool operator==(const Place&) const = default;
+    };
+    /// Block (a, b) as pooling makes it; `column` is empty if it does not exist. Throws Error{damaged_store} when a patch or pair has
+    /// 2^32 rays or more.
+    StripPairs block(Place at);
+    /// All rays of chunk c, for a reader who is at a block. Throws as block().
+    std::shared_ptr<const TracedChunk> chunk(ChunkNumber c, Place at);
+    /// Blocks that nobody will ask for again, ascending: their sides are not kept.
+    void leave_out(std::span<const Place> blocks);
+
     /// Rays of all chunks: what one whole trace takes. And of one chunk.
     [[nodiscard]] std::uint64_t rays_of_all() const;
     [[nodiscard]] std::uint64_t rays_of(ChunkNumber c) const;
     /// Traced so far, as often as they were.
     [[nodiscard]] std::uint64_t rays_traced() const { return rays_traced_; }
+    /// Of sides and whole chunks; those that both hold are counted twice.
     [[nodiscard]] std::uint64_t held_bytes() const;
-    /// Gives all kept rows back.
+    /// Gives everything kept back.
     void forget();
 
   private:
     struct Job;
-    struct Slot {
-        std::shared_ptr<const TracedChunk> rows;
-        std::uint64_t used = 0;  ///< time of the last use
-    };
-    void keep(ChunkNumber c, std::shared_ptr<const TracedChunk> rows);
-    std::shared_ptr<const TracedChunk> trace(ChunkNumber c, std::unique_lock<std::mutex>& lock);
+    using Lock = std::unique_lock<std::mutex>;
+    /// Number of a side in the order of blocks: of the chunk a, then of the chunk b.
+    [[nodiscard]] std::uint64_t number(ChunkNumber from, ChunkNumber to) const;
+    std::shared_ptr<const Side> side(ChunkNumber from, ChunkNumber to, Place at);
+    std::shared_ptr<const TracedChunk> whole(ChunkNumber c);
+    std::shared_ptr<const TracedChunk> trace(ChunkNumber c, Place at, Lock& lock);
+    void wait_for_trace(Lock& lock);
+    void keep_whole(ChunkNumber c, std::shared_ptr<const TracedChunk> rows);
+    void keep_sides(ChunkNumber c, const TracedChunk& rows, Place at);
+    bool make_room(std::uint64_t bytes, std::uint64_t position, std::uint64_t distance);
 
     const Estimator& estimator_;
     const ChunkLayout& layout_;
     LevelPlan levels_;
-    std::uint64_t limit_bytes_, held_bytes_ = 0, time_ = 0;
+    std::uint64_t limit_bytes_;
     std::atomic<std::uint64_t> rays_traced_{0};
     mutable std::mutex mutex_;
     std::condition_variable finished_;
-    std::vector<Slot> slots_;   ///< per chunk
     std::shared_ptr<Job> job_;  ///< the one trace that is running
+    std::map<std::uint64_t, std::shared_ptr<const Side>> sides_;  ///< by number()
+    std::uint64_t side_bytes_ = 0, whole_bytes_ = 0;
+    std::list<std::pair<ChunkNumber, std::shared_ptr<const TracedChunk>>> whole_;  ///< most recently used first
+    std::vector<std::optional<std::vector<ChunkNumber>>> targets_;  ///< per chunk, once it was traced: what it meets at all
+    std::vector<Place> left_out_;
 };
-
-/// All that `rows` of chunk `from` met in chunk `to`. `column` is empty where there is nothing. Pure.
-StripPairs rays_between(const TracedChunk& rows, const ChunkLayout& layout, ChunkNumber from, ChunkNumber to);
-
-/// Block (a, b), a <= b, as pooling makes it from the same rays: what a saw of b and b of a. `column` is empty where the
-/// block does not exist. Pure.
-StripPairs pooled_block(const TracedChunk& rows_a, const TracedChunk& rows_b, const ChunkLayout& layout, ChunkNumber a,
-                        ChunkNumber b);
 
 }  // namespace luxel

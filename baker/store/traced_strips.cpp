@@ -22,8 +22,9 @@ Group group_from(TracedRows& rows, ChunkNumber first) {
     Group group{first, first, {}};
     std::uint64_t bytes = 0;
     while (group.end < rows.layout().chunk_count() && (group.rows.empty() || bytes < rows.limit_bytes() / 2)) {
-        group.rows.push_back(rows.chunk(group.end++));
+        group.rows.push_back(rows.chunk(group.end, {group.first, group.end}));
         bytes += group.rows.back()->bytes;
+        ++group.end;
     }
     return group;
 }
@@ -37,7 +38,7 @@ void visit_group(TracedRows& rows, const Group& group, const std::function<bool(
         for (ChunkNumber a = group.first; a < group.end && a <= b; ++a)
             if (wanted(a, b)) strips.push_back(a);
         if (strips.empty()) continue;
-        const auto rows_b = b < group.end ? group.rows[b - group.first] : rows.chunk(b);
+        const auto rows_b = b < group.end ? group.rows[b - group.first] : rows.chunk(b, {group.first, b});
         parallel_for(strips.size(), 1, [&](std::size_t k) {
             body(strips[k], b, *group.rows[strips[k] - group.first], *rows_b);
         });
@@ -78,7 +79,7 @@ StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress
         std::vector<std::vector<DirectoryBlock>> strips(group.end - first);
         visit_group(rows, group, [](ChunkNumber, ChunkNumber) { return true; },
                     [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
-                        const StripPairs pairs = pooled_block(rows_a, rows_b, layout, a, b);
+                        const StripPairs pairs = pooled_block(rows_a.side(b).get(), rows_b.side(a).get(), layout, a, b);
                         if (pairs.column.empty()) return;
                         strips[a - first].push_back({a, b, pairs.column.size(), pack_pairs(pairs, a == b).stored.size()});
                     });
@@ -141,7 +142,7 @@ void keep_blocks(TracedRows& rows, const StripDirectory& directory, const std::v
         const Group group = group_from(rows, first);
         std::vector<std::vector<PackedBlock>> packed(group.end - first);
         visit_group(rows, group, wanted, [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
-            const StripPairs pairs = pooled_block(rows_a, rows_b, layout, a, b);
+            const StripPairs pairs = pooled_block(rows_a.side(b).get(), rows_b.side(a).get(), layout, a, b);
             packed[a - first].push_back({b, pairs.column.size(), pack_pairs(pairs, a == b)});
         });
         for (; first < group.end; ++first) write(first, packed[first - group.first]);
@@ -166,14 +167,15 @@ TracedStrips::TracedStrips(TracedRows& rows, StripDirectory directory, std::uniq
         kept_index_.push_back(found ? next++ : not_kept);
     }
     if (next != kept_blocks.size()) throw refuse("a block is kept that it does not name");
+    std::vector<TracedRows::Place> kept_places;
+    for (const BlockInfo& block : kept_blocks) kept_places.push_back({block.a, block.b});
+    rows_.leave_out(kept_places);
 }
 
 void TracedStrips::load(std::size_t index, CountBlock& out) const {
     const BlockInfo& info = blocks_.at(index);
     if (kept_index_[index] != not_kept) return kept_->load(kept_index_[index], out);
-    const auto rows_a = rows_.chunk(info.a);
-    const auto rows_b = info.b == info.a ? rows_a : rows_.chunk(info.b);
-    StripPairs pairs = pooled_block(*rows_a, *rows_b, layout(), info.a, info.b);
+    StripPairs pairs = rows_.block({info.a, info.b});
     if (pairs.column.size() != info.pair_count)
         throw Error(ErrorCode::damaged_store, "block (" + std::to_string(info.a) + ", " + std::to_string(info.b) + ") traced again",
                     std::to_string(pairs.column.size()) + " pairs, the directory says " + std::to_string(info.pair_count),
