@@ -56,7 +56,7 @@ struct TracedRows::Job {
 };
 
 TracedRows::TracedRows(const Estimator& estimator, const ChunkLayout& layout, LevelPlan levels, std::uint64_t limit_bytes)
-    : estimator_(estimator), layout_(layout), levels_(std::move(levels)), limit_bytes_(limit_bytes), targets_(layout.chunk_count()) {
+    : estimator_(estimator), layout_(layout), levels_(std::move(levels)), limit_bytes_(limit_bytes), known_(layout.chunk_count()) {
     if (levels_.levels.size() != layout.patch_count())
         throw Error(ErrorCode::internal, "traced rows", "levels need one entry per patch");
 }
@@ -92,6 +92,7 @@ void TracedRows::leave_out(std::span<const Place> blocks) {
 
 StripPairs TracedRows::block(Place at) {
     const auto seen = side(at.a, at.b, at), back = at.a == at.b ? seen : side(at.b, at.a, at);
+    if (!seen && !back) return {};
     return pooled_block(seen.get(), back.get(), layout_, at.a, at.b);
 }
 
@@ -103,7 +104,7 @@ std::uint64_t TracedRows::number(ChunkNumber from, ChunkNumber to) const {
 std::shared_ptr<const Side> TracedRows::side(ChunkNumber from, ChunkNumber to, Place at) {
     Lock lock(mutex_);
     for (;;) {
-        if (const auto& known = targets_[from]; known && !std::binary_search(known->begin(), known->end(), to)) return nullptr;
+        if (const auto& known = known_[from]; known && !std::binary_search(known->targets.begin(), known->targets.end(), to)) return nullptr;
         if (const auto found = sides_.find(number(from, to)); found != sides_.end()) return found->second;
         if (const auto rows = whole(from)) return rows->side(to);
         if (!job_) return trace(from, at, lock)->side(to);
@@ -111,13 +112,13 @@ std::shared_ptr<const Side> TracedRows::side(ChunkNumber from, ChunkNumber to, P
     }
 }
 
-std::shared_ptr<const TracedChunk> TracedRows::chunk(ChunkNumber c, Place at) {
+StripTallies TracedRows::tallies(ChunkNumber c, Place at) {
     Lock lock(mutex_);
-    for (;;) {
-        if (auto rows = whole(c)) return rows;
-        if (!job_) return trace(c, at, lock);
+    while (!known_[c]) {
+        if (!job_) return trace(c, at, lock)->tallies;
         wait_for_trace(lock);
     }
+    return known_[c]->tallies;
 }
 
 std::shared_ptr<const TracedChunk> TracedRows::whole(ChunkNumber c) {
@@ -148,9 +149,9 @@ std::shared_ptr<const TracedChunk> TracedRows::trace(ChunkNumber c, Place at, Lo
     job_.reset();
     finished_.notify_all();
     if (job->error) std::rethrow_exception(job->error);
-    if (!targets_[c]) {
-        targets_[c].emplace();
-        for (const TracedChunk::Target& target : rows->targets) targets_[c]->push_back(target.chunk);
+    if (!known_[c]) {
+        known_[c].emplace(Known{rows->tallies, {}});
+        for (const TracedChunk::Target& target : rows->targets) known_[c]->targets.push_back(target.chunk);
     }
     keep_whole(c, rows);
     keep_sides(c, *rows, at);

@@ -18,7 +18,8 @@ namespace luxel {
 /// chunks. The last few chunks stay whole, for readers who go along a row. What is kept changes only what is traced again, never a
 /// result.
 /// Threads: reentrant, also from inside parallel loops; whoever has to wait for a trace takes part in it.
-/// Memory: limit_bytes, one chunk beyond it, and run_rows rows per thread while they are traced.
+/// Memory: limit_bytes, one chunk beyond it, run_rows rows per thread while they are traced, 16 bytes per patch, 4 per block and
+/// chunk.
 class TracedRows {
   public:
     /// Keeps references to `estimator` and `layout`, which must outlive it. `levels`: all that each patch has sent.
@@ -33,8 +34,8 @@ class TracedRows {
     /// Block (a, b) as pooling makes it; `column` is empty if it does not exist. Throws Error{damaged_store} when a patch or pair has
     /// 2^32 rays or more.
     StripPairs block(Place at);
-    /// All rays of chunk c, for a reader who is at a block. Throws as block().
-    std::shared_ptr<const TracedChunk> chunk(ChunkNumber c, Place at);
+    /// Of the patches of chunk c, for a reader who is at a block. Throws as block().
+    StripTallies tallies(ChunkNumber c, Place at);
     /// Blocks that nobody will ask for again, ascending: their sides are not kept.
     void leave_out(std::span<const Place> blocks);
 
@@ -72,7 +73,12 @@ class TracedRows {
     std::map<std::uint64_t, std::shared_ptr<const Side>> sides_;  ///< by number()
     std::uint64_t side_bytes_ = 0, whole_bytes_ = 0;
     std::list<std::pair<ChunkNumber, std::shared_ptr<const TracedChunk>>> whole_;  ///< most recently used first
-    std::vector<std::optional<std::vector<ChunkNumber>>> targets_;  ///< per chunk, once it was traced: what it meets at all
+    /// What is remembered of a chunk that was traced once.
+    struct Known {
+        StripTallies tallies;
+        std::vector<ChunkNumber> targets;  ///< the chunks that it meets at all
+    };
+    std::vector<std::optional<Known>> known_;  ///< per chunk
     std::vector<Place> left_out_;
 };
 

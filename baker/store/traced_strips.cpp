@@ -1,7 +1,7 @@
 #include "baker/store/traced_strips.h"
 
 #include <algorithm>
-#include <functional>
+#include <iterator>
 
 #include "baker/core/parallel.h"
 #include "baker/store/pooling.h"
@@ -10,40 +10,6 @@ namespace luxel {
 namespace {
 
 constexpr std::size_t not_kept = ~std::size_t{0};
-
-/// The rows of chunks [first, end), held together.
-struct Group {
-    ChunkNumber first, end;
-    std::vector<std::shared_ptr<const TracedChunk>> rows;
-};
-
-/// As many chunks from `first` on as fit half of the rows' memory, one at least.
-Group group_from(TracedRows& rows, ChunkNumber first) {
-    Group group{first, first, {}};
-    std::uint64_t bytes = 0;
-    while (group.end < rows.layout().chunk_count() && (group.rows.empty() || bytes < rows.limit_bytes() / 2)) {
-        group.rows.push_back(rows.chunk(group.end, {group.first, group.end}));
-        bytes += group.rows.back()->bytes;
-        ++group.end;
-    }
-    return group;
-}
-
-/// Calls body(a, b, rows of a, rows of b) for the blocks of a group's strips: b ascending, all wanted a <= b of it in parallel. Chunks
-/// that no wanted block needs are not traced.
-void visit_group(TracedRows& rows, const Group& group, const std::function<bool(ChunkNumber, ChunkNumber)>& wanted,
-                 const std::function<void(ChunkNumber, ChunkNumber, const TracedChunk&, const TracedChunk&)>& body) {
-    for (ChunkNumber b = group.first; b < rows.layout().chunk_count(); ++b) {
-        std::vector<ChunkNumber> strips;
-        for (ChunkNumber a = group.first; a < group.end && a <= b; ++a)
-            if (wanted(a, b)) strips.push_back(a);
-        if (strips.empty()) continue;
-        const auto rows_b = b < group.end ? group.rows[b - group.first] : rows.chunk(b, {group.first, b});
-        parallel_for(strips.size(), 1, [&](std::size_t k) {
-            body(strips[k], b, *group.rows[strips[k] - group.first], *rows_b);
-        });
-    }
-}
 
 void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
     all.insert(all.end(), part.begin(), part.end());
@@ -63,30 +29,22 @@ StripTallies of_chunk(const StripTallies& all, PatchNumber begin, PatchNumber en
     return {cut(all.rays), cut(all.self), cut(all.open), cut(all.back)};
 }
 
-struct PackedBlock {
-    ChunkNumber b;
-    std::uint64_t pair_count;
-    BlockFileWriter::Packed bytes;
-};
-
 }  // namespace
 
 StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress) {
-    const ChunkLayout& layout = rows.layout();
+    const ChunkNumber chunks = rows.layout().chunk_count();
     StripDirectory directory;
-    for (ChunkNumber first = 0; first < layout.chunk_count();) {
-        const Group group = group_from(rows, first);
-        std::vector<std::vector<DirectoryBlock>> strips(group.end - first);
-        visit_group(rows, group, [](ChunkNumber, ChunkNumber) { return true; },
-                    [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
-                        const StripPairs pairs = pooled_block(rows_a.side(b).get(), rows_b.side(a).get(), layout, a, b);
-                        if (pairs.column.empty()) return;
-                        strips[a - first].push_back({a, b, pairs.column.size(), pack_pairs(pairs, a == b).stored.size()});
-                    });
-        for (const auto& strip : strips) directory.blocks.insert(directory.blocks.end(), strip.begin(), strip.end());
-        for (const auto& chunk : group.rows) append(directory.tallies, chunk->tallies);
-        first = group.end;
-        if (progress) progress(first, layout.chunk_count());
+    for (ChunkNumber a = 0; a < chunks; ++a) {
+        std::vector<DirectoryBlock> strip(chunks - a);
+        parallel_for(strip.size(), 1, [&](std::size_t k) {
+            const auto b = static_cast<ChunkNumber>(a + k);
+            const StripPairs pairs = rows.block({a, b});
+            if (!pairs.column.empty()) strip[k] = {a, b, pairs.column.size(), pack_pairs(pairs, a == b).stored.size()};
+        });
+        std::copy_if(strip.begin(), strip.end(), std::back_inserter(directory.blocks),
+                     [](const DirectoryBlock& block) { return block.pair_count > 0; });
+        append(directory.tallies, rows.tallies(a, {a, a}));
+        if (progress) progress(a + 1, chunks);
     }
     return directory;
 }
@@ -119,34 +77,21 @@ std::vector<bool> blocks_to_keep(const StripDirectory& directory, const TracedRo
 void keep_blocks(TracedRows& rows, const StripDirectory& directory, const std::vector<bool>& keep,
                  const std::filesystem::path& folder, const Key& hot, const ProgressFunction& progress) {
     const ChunkLayout& layout = rows.layout();
-    std::vector<std::vector<ChunkNumber>> strips(layout.chunk_count());  // wanted b of each strip that is not there, ascending
-    std::vector<bool> missing(layout.chunk_count());
-    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a)
-        missing[a] = !block_file_is_whole(strip_path(folder, a), FileKind::strip, strip_version, hot);
+    std::vector<std::vector<DirectoryBlock>> strips(layout.chunk_count());
     for (std::size_t k = 0; k < keep.size(); ++k)
-        if (keep[k] && missing[directory.blocks[k].a]) strips[directory.blocks[k].a].push_back(directory.blocks[k].b);
-    const auto wanted = [&](ChunkNumber a, ChunkNumber b) {
-        return std::binary_search(strips[a].begin(), strips[a].end(), b);
-    };
-    const auto write = [&](ChunkNumber a, const std::vector<PackedBlock>& blocks) {
-        if (!missing[a]) return;
-        StripWriter strip(strip_path(folder, a), hot, of_chunk(directory.tallies, layout.first_patch[a], layout.first_patch[a + 1]));
-        for (const PackedBlock& block : blocks) strip.append(block.b, block.pair_count, block.bytes);
-        strip.publish();
-    };
-    for (ChunkNumber first = 0; first < layout.chunk_count();) {
-        if (strips[first].empty()) {
-            write(first++, {});
-            continue;
+        if (keep[k]) strips[directory.blocks[k].a].push_back(directory.blocks[k]);
+    for (ChunkNumber a = 0; a < layout.chunk_count(); ++a) {
+        const auto path = strip_path(folder, a);
+        if (!block_file_is_whole(path, FileKind::strip, strip_version, hot)) {
+            std::vector<BlockFileWriter::Packed> packed(strips[a].size());
+            parallel_for(packed.size(), 1, [&](std::size_t k) {
+                packed[k] = pack_pairs(rows.block({a, strips[a][k].b}), a == strips[a][k].b);
+            });
+            StripWriter strip(path, hot, of_chunk(directory.tallies, layout.first_patch[a], layout.first_patch[a + 1]));
+            for (std::size_t k = 0; k < packed.size(); ++k) strip.append(strips[a][k].b, strips[a][k].pair_count, packed[k]);
+            strip.publish();
         }
-        const Group group = group_from(rows, first);
-        std::vector<std::vector<PackedBlock>> packed(group.end - first);
-        visit_group(rows, group, wanted, [&](ChunkNumber a, ChunkNumber b, const TracedChunk& rows_a, const TracedChunk& rows_b) {
-            const StripPairs pairs = pooled_block(rows_a.side(b).get(), rows_b.side(a).get(), layout, a, b);
-            packed[a - first].push_back({b, pairs.column.size(), pack_pairs(pairs, a == b)});
-        });
-        for (; first < group.end; ++first) write(first, packed[first - group.first]);
-        if (progress) progress(first, layout.chunk_count());
+        if (progress) progress(a + 1, layout.chunk_count());
     }
 }
 

@@ -12,8 +12,7 @@
 
 namespace luxel {
 
-/// Traces and pools every block once. Chunks are taken in groups that fit half of the rows' memory, so a scene whose rows do
-/// not fit is traced about once per group. Progress: strips. Threads: uses them all.
+/// Traces and pools every block once, in order. Progress: strips. Threads: uses them all.
 StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress);
 
 /// The blocks to keep within `budget_bytes`, as flags per block of the directory: most rays per stored byte first; a block that does
