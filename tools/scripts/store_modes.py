@@ -74,8 +74,8 @@ def main():
     parser.add_argument("scene")
     parser.add_argument("--memory", default="2G")
     parser.add_argument("--hot", default="")
-    parser.add_argument("options", nargs="*")
-    a = parser.parse_args()
+    end = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    a, options = parser.parse_args(sys.argv[1:end]), sys.argv[end + 1:]
     first = None
     print("| store | memory | disk, MB | peak, MB | seconds | processor | rays, million | of them again |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
@@ -83,7 +83,7 @@ def main():
         choices = [("all", [])] + [("hot", ["--store-bytes", size]) for size in a.hot.split(",") if size]
         choices += [("hot", [])] * (not a.hot) + [("none", [])]
         for store, more in choices:
-            r = bake(a.luxel, a.scene, ["--store", store, *more, "--memory", memory, *a.options])
+            r = bake(a.luxel, a.scene, ["--store", store, *more, "--memory", memory, *options])
             first = first or r
             rays, traced = r["evidence"]["rays"], r["evidence"]["rays_traced"]
             print(f"| {' '.join([store, *more[1:]])} | {memory} | {r['disk'] / 1e6:.3g} | {r['peak'] / 1e6:.3g} | {r['seconds']:.1f} | "

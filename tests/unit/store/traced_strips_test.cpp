@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "baker/core/parallel.h"
 #include "tests/unit/store/made_evidence.h"
 
@@ -131,6 +133,7 @@ TEST(TracedStrips, APassTracesByTheMemoryThatIsMissing) {
         for (int pass = 0; pass < passes; ++pass)
             for (std::size_t k = 0; k < traced.block_count(); ++k) traced.load(k, block);
         const double wholes = static_cast<double>(rows.rays_traced()) / passes / static_cast<double>(rows.rays_of_all());
+        std::printf("1/%u of the rows in memory: a pass over all blocks traces %.2f of the scene\n", m, wholes);
         EXPECT_GT(wholes, 0.5) << "1/" << m << " of the rows in memory";
         EXPECT_LT(wholes, (m + 1) / 2.0 + 0.5) << "1/" << m << " of the rows in memory";
         EXPECT_LE(rows.held_bytes(), rows.limit_bytes());
@@ -232,6 +235,66 @@ ErrorCode code_of(const std::function<void()>& body) {
         return error.code;
     }
     return {};
+}
+
+/// Chunks that see much of their neighbours and a little of all others, as rooms do, with little memory: a quarter of the bytes
+/// holds most of the small blocks, so that a row wants the rays of few chunks and not of the whole scene.
+TEST(TracedStrips, AQuarterOfTheBytesSparesMostTraces) {
+    constexpr std::uint32_t chunks = 24, size = 40, patches = chunks * size;
+    MadeEvidence evidence;
+    for (ChunkNumber c = 0; c < chunks; ++c) evidence.layout.first_patch.push_back((c + 1) * size);
+    std::mt19937_64 random(3);
+    for (PatchNumber p = 0; p < patches; ++p) evidence.ids.push_back(p + 1);
+    for (PatchNumber p = 0; p < patches; ++p) {
+        EvidenceRecord record{p + 1, 0, 0, 6, 0, 0, {}, {}};
+        std::set<PatchId> met;
+        while (met.size() < 30) met.insert((p + patches - size + random() % (2 * size)) % patches + 1);
+        met.insert(random() % patches + 1);
+        record.target_id.assign(met.begin(), met.end());
+        record.count.assign(met.size(), 1);
+        record.open = 64 - static_cast<std::uint32_t>(met.size());
+        evidence.records.push_back(record);
+    }
+    const MadeEstimator estimator(evidence);
+    const LevelPlan levels{std::vector<LevelRange>(patches, LevelRange{0, 6})};
+    TracedRows all(estimator, evidence.layout, levels, std::uint64_t{1} << 30);
+    const StripDirectory directory = find_directory(all, {});
+    std::uint64_t bytes = 0;
+    for (const DirectoryBlock& block : directory.blocks) bytes += block.stored_bytes;
+    // For comparison the same bytes of the largest blocks, those with most pairs.
+    std::vector<std::size_t> order(directory.blocks.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) {
+        return directory.blocks[x].stored_bytes > directory.blocks[y].stored_bytes;
+    });
+    std::vector<bool> large(order.size());
+    std::uint64_t left = bytes / 4;
+    for (const std::size_t k : order)
+        if (directory.blocks[k].stored_bytes <= left) large[k] = true, left -= directory.blocks[k].stored_bytes;
+
+    const TemporaryFolder folder;
+    const auto keep = [&](const std::vector<bool>& choice, const char* name) {
+        const auto place = folder / name;
+        std::filesystem::create_directory(place);
+        keep_blocks(all, directory, choice, place, Key{31, 32}, {});
+        return std::make_unique<StripStore>(place, Key{31, 32}, evidence.layout);
+    };
+    // Each chunk shoots once: its own block, then all others of its row.
+    const auto wholes = [&](std::unique_ptr<StripStore> kept) {
+        TracedRows rows(estimator, evidence.layout, levels, all.held_bytes() / 12);
+        const TracedStrips traced(rows, directory, std::move(kept), 0);
+        CountBlock block;
+        for (ChunkNumber c = 0; c < chunks; ++c)
+            for (std::size_t k = 0; k < traced.block_count(); ++k)
+                if (traced.blocks()[k].a == c || traced.blocks()[k].b == c) traced.load(k, block);
+        return static_cast<double>(rows.rays_traced()) / static_cast<double>(rows.rays_of_all());
+    };
+    const double none = wholes(nullptr), largest = wholes(keep(large, "large"));
+    const double hot = wholes(keep(blocks_to_keep(directory, all, bytes / 4), "hot"));
+    std::printf("1/12 of the rows in memory: a shot of every chunk traces the scene %.1f times, %.1f with a quarter of the bytes kept (%.1f if "
+                "these are the largest blocks)\n", none, hot, largest);
+    EXPECT_LT(hot, none / 2);
+    EXPECT_LT(hot, largest);
 }
 
 TEST(TracedStrips, RefusesADirectoryOfOtherRays) {
