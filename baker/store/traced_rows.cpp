@@ -15,10 +15,9 @@ constexpr std::size_t most_whole = 4;
 
 /// A chunk being traced, run by run, by everybody who has time.
 struct TracedRows::Job {
-    Job(const TracedRows& owner, ChunkNumber c) : rows(owner), chunk(c) {
-        const std::uint32_t size = owner.layout_.size(c);
-        for (auto* column : {&tallies.rays, &tallies.self, &tallies.open, &tallies.back}) column->resize(size);
-        runs.resize((size + run_rows - 1) / run_rows);
+    Job(const TracedRows& owner, ChunkNumber c)
+        : rows(owner), chunk(c), count((owner.layout_.size(c) + run_rows - 1) / run_rows), runs(count) {
+        for (auto* column : {&tallies.rays, &tallies.self, &tallies.open, &tallies.back}) column->resize(owner.layout_.size(c));
     }
 
     /// Takes runs until none is left. Returns when the others' may not be done yet.
@@ -26,7 +25,7 @@ struct TracedRows::Job {
         flush_denormals();
         for (;;) {
             const std::size_t k = next++;
-            if (k >= runs.size()) return;
+            if (k >= count) return;
             std::exception_ptr failed;
             try {
                 runs[k] = trace_run(rows.estimator_, rows.layout_, rows.levels_, chunk, static_cast<std::uint32_t>(k), tallies);
@@ -35,17 +34,18 @@ struct TracedRows::Job {
             }
             const std::lock_guard lock(mutex);
             if (failed && !error) error = failed;
-            if (++done == runs.size()) all_done.notify_all();
+            if (++done == count) all_done.notify_all();
         }
     }
 
     void wait() {
         std::unique_lock lock(mutex);
-        all_done.wait(lock, [&] { return done == runs.size(); });
+        all_done.wait(lock, [&] { return done == count; });
     }
 
     const TracedRows& rows;
     ChunkNumber chunk;
+    const std::size_t count;  ///< of runs; late helpers look at it when these are gone
     StripTallies tallies;
     std::vector<TracedRun> runs;
     std::atomic<std::size_t> next{0};
@@ -140,7 +140,7 @@ std::shared_ptr<const TracedChunk> TracedRows::trace(ChunkNumber c, Place at, Lo
     const auto job = job_ = std::make_shared<Job>(*this, c);
     lock.unlock();
     // Idle threads come through the loop, those that want rows through wait_for_trace().
-    parallel_isolated(job->runs.size(), [&](std::size_t) { job->help(); });
+    parallel_isolated(job->count, [&](std::size_t) { job->help(); });
     job->wait();
     rays_traced_ += rays_of(c);
     std::shared_ptr<const TracedChunk> rows;
