@@ -20,7 +20,7 @@ Closure close_matrix(const BakeOptions& options, const BakedMatrix& matrix) {
 }  // namespace
 
 MatrixKeys matrix_keys(const BakeOptions& options, const EvidenceRounds& evidence) {
-    const Key strips = KeyBuilder("strips 2").key(evidence.key()).finish();
+    const Key strips = KeyBuilder("strips 3").key(evidence.key()).finish();
     return {strips, KeyBuilder("closure 2").key(strips).integer(options.closure_iterations).finish()};
 }
 

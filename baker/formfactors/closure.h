@@ -21,24 +21,15 @@
 /// counts, one block per thread at a time. Threads: the result does not depend on their number. Errors:
 /// Error{damaged_store} for counts between patches that sent no rays; Error{internal} for sizes that do not fit.
 #pragma once
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "baker/formfactors/block_source.h"
+#include "baker/formfactors/exchange_area.h"
 
 namespace luxel {
-
-/// The one place where a count becomes an exchange area in m2. The reader of the store and closure both call it, so
-/// that they see the same float. Symmetric in i and j. count > 0, mu_i + mu_j > 0; the result is a positive normal
-/// float.
-inline float exchange_area(std::uint32_t count, double mu_i, double mu_j) {
-    const double area_m2 = static_cast<double>(count) / (mu_i + mu_j);
-    return static_cast<float>(std::max(area_m2, static_cast<double>(std::numeric_limits<float>::min())));
-}
 
 /// A decoded block of pooled counts, laid out as Block: compressed rows, ascending columns, row < column when a == b.
 struct CountBlock {

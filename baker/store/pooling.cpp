@@ -179,7 +179,7 @@ class Pooling {
         parallel_for(count, 1, [&](std::size_t k) {
             const StripPairs block = sum_pairs(a, pairs.subspan(begin[k], begin[k + 1] - begin[k]));
             sizes[k] = block.column.size();
-            packed[k] = pack_pairs(block, pair_chunk(pairs[begin[k]]) == a);
+            packed[k] = pack_pairs(block);
         });
         for (std::size_t k = 0; k < count; ++k) strip.append(pair_chunk(pairs[begin[k]]), sizes[k], packed[k]);
     }

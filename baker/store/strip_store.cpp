@@ -58,7 +58,8 @@ void StripStore::load(std::size_t index, CountBlock& out) const {
     const auto file = open_strip(info.a);
     const std::size_t at = first_pair_block + index - first_block_[info.a];
     const std::string where = file->name() + ": block " + std::to_string(at);
-    StripPairs pairs = unpack_pairs(file->read(at), info.a == info.b, where);
+    StripPairs pairs{0, 0, std::move(out.row_begin), std::move(out.columns), std::move(out.counts)};
+    pairs = unpack_pairs(file->read(at), info.a == info.b, where, std::move(pairs));
     if (pairs.rows != layout_.size(info.a) || pairs.columns != layout_.size(info.b) ||
         pairs.column.size() != info.pair_count)
         throw Error(ErrorCode::damaged_store, where, "size does not fit the chunks",

@@ -57,8 +57,6 @@ void check_fixed_blocks(const BlockFileReader& file) {
             damaged(file, "block " + std::to_string(k) + " has the tag " + std::to_string(file.blocks()[k].tag));
 }
 
-PairCodec gap_codec(bool diagonal) { return diagonal ? PairCodec::gap_symbols_above_diagonal : PairCodec::gap_symbols; }
-
 }  // namespace
 
 Bytes encode_counts(const StripPairs& block) {
@@ -122,23 +120,24 @@ StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where) 
     return block;
 }
 
-BlockFileWriter::Packed pack_pairs(const StripPairs& block, bool diagonal) {
-    const Bytes index = encode_counts(block), frame = compress(index, 3), gaps = encode_gaps(block, diagonal);
+BlockFileWriter::Packed pack_pairs(const StripPairs& block) {
+    const Bytes index = encode_counts(block), frame = compress(index, 3), gaps = encode_gaps(block);
     ByteWriter size;
     size.put_varint(index.size());
     const bool smaller = size.size() + frame.size() < gaps.size();
     ByteWriter out;
-    out.put(static_cast<std::uint8_t>(smaller ? PairCodec::bit_index : gap_codec(diagonal)));
+    out.put(static_cast<std::uint8_t>(smaller ? PairCodec::bit_index : PairCodec::gap_symbols));
     if (smaller) out.put_array(std::span<const std::uint8_t>(size.bytes()));
     out.put_array(std::span<const std::uint8_t>(smaller ? frame : gaps));
     return BlockFileWriter::pack(out.bytes(), 0);
 }
 
-StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where) {
+StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where, StripPairs reuse) {
     ByteCursor in(bytes, where);
     const auto codec = in.get<std::uint8_t>("codec");
-    if (codec == static_cast<std::uint8_t>(gap_codec(diagonal))) return decode_gaps(bytes.subspan(1), diagonal, where);
-    if (codec != static_cast<std::uint8_t>(PairCodec::bit_index)) in.fail("codec", "not one of this block: " + std::to_string(codec));
+    if (codec == static_cast<std::uint8_t>(PairCodec::gap_symbols)) 
+        return decode_gaps(bytes.subspan(1), diagonal, where, std::move(reuse));
+    if (codec != static_cast<std::uint8_t>(PairCodec::bit_index)) in.fail("codec", "unknown: " + std::to_string(codec));
     const std::uint64_t raw_bytes = in.get_varint("index bytes");
     if (raw_bytes > most_index_bytes) in.fail("index bytes", "more than a block can have");
     return decode_counts(decompress(in.get_view(in.remaining(), "index"), raw_bytes, where), diagonal, where);

@@ -8,7 +8,7 @@
 
 namespace luxel {
 
-constexpr std::uint32_t strip_version = 2;
+constexpr std::uint32_t strip_version = 3;
 
 /// Counts of the pairs of a block in compressed rows: row r holds pairs [row_begin[r], row_begin[r + 1]).
 struct StripPairs {
@@ -21,16 +21,15 @@ struct StripPairs {
 /// How a pair block is written; its first byte.
 enum class PairCodec : std::uint8_t {
     bit_index = 1,    ///< hierarchical bit index and counts, in one zstd frame
-    gap_symbols = 2,  ///< gap_symbols.h, of a block (a, b) with a < b
-    gap_symbols_above_diagonal = 3,  ///< the same of a block (a, a): columns begin after the row's own number
+    gap_symbols = 2,  ///< gap_symbols.h
 };
 
-/// A pair block as it is stored: by the codec that makes it smaller. Pure. Requires a valid block. `diagonal`: a == b.
-BlockFileWriter::Packed pack_pairs(const StripPairs& block, bool diagonal);
+/// A pair block as it is stored: by the codec that makes it smaller. Pure. Requires a valid block.
+BlockFileWriter::Packed pack_pairs(const StripPairs& block);
 
 /// The inverse, for the block's decoded bytes. Validates everything. `diagonal`: only columns above the row are legal. Throws
-/// Error{damaged_store} naming `where`.
-StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where);
+/// Error{damaged_store} naming `where`. `reuse`: its memory serves again.
+StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where, StripPairs reuse = {});
 
 /// Codec bit_index without its frame: hierarchical bit index, then counts. Pure. Requires a valid block (ascending columns, counts > 0).
 Bytes encode_counts(const StripPairs& block);

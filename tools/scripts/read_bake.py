@@ -177,54 +177,110 @@ def bit_index(raw, diagonal):
     return rows, columns, [(row, column, count) for (row, column), count in zip(found, counts)]
 
 
-COUNT_CLASS = [0, 1, 2, 2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 4]
+def code_lengths(cursor):
+    """of symbols 0 to 255, from half bytes"""
+    lengths, run = [], False
+    while len(lengths) < 256 or run:
+        (byte,) = cursor.take("B")
+        for half in (byte & 15, byte >> 4):
+            if run:
+                lengths += [0] * half
+                run = False
+            elif len(lengths) < 256:
+                check(half <= 10, "a code of more than 10 bits")
+                lengths.append(half)
+                run = half == 0
+            else:
+                check(half == 0, "code lengths left over")
+    check(len(lengths) == 256, "code lengths of more than 256 symbols")
+    check(sum(1 << (10 - length) for length in lengths if length) == 1 << 10, "a code is not complete")
+    return lengths
 
 
-def stream(cursor):
+def codes(lengths):
+    """{(length, code): symbol}"""
+    found, code, before = {}, 0, 0
+    for length, symbol in sorted((length, symbol) for symbol, length in enumerate(lengths) if length):
+        code <<= length - before
+        found[length, code] = symbol
+        code, before = code + 1, length
+    return found
+
+
+def class_after(symbol):
+    count = symbol >> 4
+    return 0 if count <= 1 else 1 if count == 2 else 2 if count <= 4 else 3 if count <= 8 else 4
+
+
+def symbols(cursor, classes, count):
+    tables = [codes(code_lengths(cursor)) for _ in range(classes)]
+    sizes = [cursor.varint() for _ in range(4)]
+    found = []
+    for lane, size in enumerate(sizes):
+        check(size <= len(cursor.data), "lane bytes")
+        data = cursor.take(f"{size}s")[0]
+        at = state = 0
+        for _ in range(count // 4 + (lane < count % 4)):
+            code = length = 0
+            while (length, code) not in tables[state]:
+                check(at < 8 * size and length < 10, "a lane ends early")
+                code = code << 1 | data[at // 8] >> at % 8 & 1
+                at, length = at + 1, length + 1
+            found.append(tables[state][length, code])
+            state = class_after(found[-1]) if classes > 1 else 0
+        check((at + 7) // 8 == size and (at % 8 == 0 or data[-1] >> at % 8 == 0), "a lane ends late")
+    return found
+
+
+def numbers(cursor, count):
+    if count == 0:
+        return []
     size = cursor.varint()
-    if size == 0:
-        return b""
-    check(size <= 1 << 33, "a stream's size")
-    stored = cursor.take(f"{cursor.varint()}s")[0]
-    return unpack_frame(stored, size)
+    check(size <= len(cursor.data), "stored bytes")
+    found = []
+    for first in unpack_frame(cursor.take(f"{size}s")[0], count):
+        if first < 128:
+            found.append(first)
+        elif first < 255:
+            found.append(128 + 256 * (first - 128) + cursor.take("B")[0])
+        else:
+            found.append(cursor.take("I")[0])
+    return found
 
 
-def gap_symbols(raw, diagonal):
-    """The same of codecs 2 and 3"""
+def gap_symbols(raw):
+    """The same of codec 2"""
     cursor = Cursor(raw)
     rows, columns, pairs = cursor.varint(), cursor.varint(), cursor.varint()
     check(1 <= rows <= 65536 and 1 <= columns <= 65536 and 1 <= pairs <= rows * columns, "R, C or P")
-    symbols = [stream(cursor) for _ in range(5)]
-    large = Cursor(stream(cursor))
+    (classes,) = cursor.take("B")
+    check(classes in (1, 5), "K")
+    check(pairs <= 8 * len(raw), "more pairs than bits")
+    found = symbols(cursor, classes, pairs)
+    sizes = numbers(cursor, rows)
+    check(sum(sizes) == pairs, "the sum of row sizes is not P")
+    large_gaps = sum(symbol & 15 == 15 for symbol in found)
+    large = numbers(cursor, large_gaps + sum(symbol >> 4 == 15 for symbol in found))
     cursor.end()
-    check(sum(len(s) for s in symbols) <= rows + pairs, "more symbols than rows and pairs")
-    next_symbol, found = [0] * 5, []
-    row, column, before = 0, int(diagonal), 0
-    while row < rows:
-        check(next_symbol[before] < len(symbols[before]), "a stream ends too early")
-        symbol = symbols[before][next_symbol[before]]
-        next_symbol[before] += 1
-        gap, count = symbol & 15, symbol >> 4
-        if count == 0:
-            row, before = row + 1 + gap, 0
-            column = row + 1 if diagonal else 0
-            continue
-        before = COUNT_CLASS[count]
-        column += gap + (large.varint() if gap == 15 else 0)
-        count += large.varint() if count == 15 else 0
-        check(column < columns and count < 1 << 32, "a pair beyond the block, or a count above 2^32")
-        found.append((row, column, count))
-        column += 1
-    check(row == rows and len(found) == pairs, "rows or pairs are not as many as stated")
-    check(next_symbol == [len(s) for s in symbols], "symbols left over")
-    large.end()
-    return rows, columns, found
+    next_gap, next_count = iter(large[:large_gaps]), iter(large[large_gaps:])
+    next_symbol, result = iter(found), []
+    for row, size in enumerate(sizes):
+        column = -1
+        for _ in range(size):
+            symbol = next(next_symbol)
+            gap, count = symbol & 15, symbol >> 4
+            gap += next(next_gap) if gap == 15 else 0
+            count += next(next_count) if count == 15 else 0
+            column += gap + 1
+            check(gap < 65536 and column < columns and 0 < count < 1 << 32, "a pair beyond the block, or a count of zero or above 2^32")
+            result.append((row, column, count))
+    return rows, columns, result
 
 
 def pair_block(raw):
     check(raw, "an empty pair block")
-    if raw[0] in (2, 3):
-        return gap_symbols(raw[1:], raw[0] == 3)
+    if raw[0] == 2:
+        return gap_symbols(raw[1:])
     check(raw[0] == 1, f"codec {raw[0]}")
     cursor = Cursor(raw[1:])
     size = cursor.varint()
@@ -232,7 +288,7 @@ def pair_block(raw):
 
 
 def print_strip(file, out):
-    check(file.version == 2, f"strip version {file.version}")
+    check(file.version == 3, f"strip version {file.version}")
     check(len(file.blocks) >= 5 and [tag for tag, _ in file.blocks[:5]] == [0, 1, 2, 3, 4], "the first blocks")
     columns = []
     for _, raw in file.blocks[:4]:

@@ -73,8 +73,8 @@ std::string write_evidence(const std::filesystem::path& path) {
     return expected;
 }
 
-void append_block(std::uint32_t b, const StripPairs& block, bool diagonal, StripWriter& strip, std::ostream& expected) {
-    strip.append(b, block.column.size(), pack_pairs(block, diagonal));
+void append_block(std::uint32_t b, const StripPairs& block, StripWriter& strip, std::ostream& expected) {
+    strip.append(b, block.column.size(), pack_pairs(block));
     expected << "block " << b << " rows " << block.rows << " columns " << block.columns << " pairs "
              << block.column.size() << "\n";
     for (std::uint32_t row = 0; row < block.rows; ++row)
@@ -92,7 +92,7 @@ StripPairs chessboard(std::uint32_t rows, std::uint32_t columns) {
         }
         block.row_begin.push_back(static_cast<std::uint32_t>(block.column.size()));
     }
-    EXPECT_EQ(pack_pairs(block, false).stored[0], static_cast<std::uint8_t>(PairCodec::bit_index));
+    EXPECT_EQ(pack_pairs(block).stored[0], static_cast<std::uint8_t>(PairCodec::bit_index));
     return block;
 }
 
@@ -100,18 +100,18 @@ std::string write_strip(const std::filesystem::path& path) {
     std::mt19937_64 random(1);
     StripTallies tallies;
     std::ostringstream expected;
-    expected << "strip version 2 key " << key_text << " blocks 10\n";
+    expected << "strip version 3 key " << key_text << " blocks 10\n";
     for (std::uint32_t k = 0; k < 70; ++k) {
         tallies.rays.push_back(0xffffffffu - k), tallies.self.push_back(k), tallies.open.push_back(9);
         tallies.back.push_back(k * k);
         expected << "patch " << k << " rays " << 0xffffffffu - k << " self " << k << " open 9 back " << k * k << "\n";
     }
     StripWriter strip(path, key, std::move(tallies));
-    append_block(2, test::random_pairs(70, 70, 900, true, random), true, strip, expected);
-    append_block(3, test::random_pairs(70, 65536, 500, false, random), false, strip, expected);
-    append_block(4, chessboard(70, 300), false, strip, expected);
-    append_block(5, test::random_pairs(70, 4000, 20000, false, random), false, strip, expected);
-    append_block(65535, test::random_pairs(70, 1, 5, false, random), false, strip, expected);
+    append_block(2, test::random_pairs(70, 70, 900, true, random), strip, expected);
+    append_block(3, test::random_pairs(70, 65536, 500, false, random), strip, expected);
+    append_block(4, chessboard(70, 300), strip, expected);
+    append_block(5, test::random_pairs(70, 4000, 20000, false, random), strip, expected);
+    append_block(65535, test::random_pairs(70, 1, 5, false, random), strip, expected);
     strip.publish();
     return expected.str();
 }

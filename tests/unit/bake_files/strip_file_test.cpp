@@ -139,8 +139,8 @@ TEST(StripFile, WholeFileRoundTrip) {
     const StripPairs first = test::random_pairs(10, 10, 30, true, random);
     const StripPairs second = test::random_pairs(10, 70, 300, false, random);
     StripWriter writer(folder / "strip", key, tallies_of(10));
-    writer.append(3, first.column.size(), pack_pairs(first, true));
-    writer.append(8, second.column.size(), pack_pairs(second, false));
+    writer.append(3, first.column.size(), pack_pairs(first));
+    writer.append(8, second.column.size(), pack_pairs(second));
     EXPECT_FALSE(std::filesystem::exists(folder / "strip")) << "nothing before it is published";
     writer.publish();
 

@@ -202,11 +202,5 @@ TEST(Closure, CountsWithoutRaysAreDamage) {
     EXPECT_THROW(close_rows(scene, {scene.area_m2, none, none, {}}), Error);
 }
 
-TEST(ExchangeArea, IsSymmetricPositiveAndNormal) {
-    EXPECT_EQ(exchange_area(3, 7.1, 0.3), exchange_area(3, 0.3, 7.1));
-    EXPECT_GT(exchange_area(1, 1e300, 1e300), 0.0f);
-    EXPECT_FLOAT_EQ(exchange_area(1, 0.0, 4.0), 0.25f);
-}
-
 }  // namespace
 }  // namespace luxel
