@@ -65,15 +65,15 @@ SightGraph both_ways(const std::vector<std::vector<std::uint32_t>>& met, SightGr
     const auto runs = [&](std::size_t node, const auto& body) {
         for (std::size_t k = 0, end; k < met[node].size(); k = end) {
             for (end = k + 1; end < met[node].size() && met[node][end] == met[node][k];) ++end;
-            body(met[node][k], std::uint64_t{end - k});
+            body(met[node][k], static_cast<std::uint32_t>(end - k));
         }
     };
     for (std::size_t node = 0; node < count; ++node)
-        runs(node, [&](std::uint32_t other, std::uint64_t) { ++row_size[node], ++row_size[other]; });
+        runs(node, [&](std::uint32_t other, std::uint32_t) { ++row_size[node], ++row_size[other]; });
     std::vector<std::vector<SightGraph::Link>> rows(count);
     for (std::size_t node = 0; node < count; ++node) rows[node].reserve(row_size[node]);
     for (std::size_t node = 0; node < count; ++node)
-        runs(node, [&](std::uint32_t other, std::uint64_t rays) {
+        runs(node, [&](std::uint32_t other, std::uint32_t rays) {
             if (other == node) return;
             rows[node].push_back({other, rays});
             rows[other].push_back({static_cast<std::uint32_t>(node), rays});
@@ -142,7 +142,7 @@ SightGraph join_nodes(const SightGraph& graph, std::span<const std::uint32_t> gr
     for (std::size_t node = 0; node < graph.count(); ++node)
         members[group[node]].push_back(static_cast<std::uint32_t>(node));
     SightGraph joined;
-    std::vector<std::uint64_t> rays(group_count, 0);
+    std::vector<std::uint32_t> rays(group_count, 0);
     std::vector<std::uint32_t> met;
     for (std::size_t g = 0; g < group_count; ++g) {
         joined.patches.push_back(0);

@@ -28,7 +28,7 @@ SightCells find_sight_cells(const PatchSet& patches, double edge_m);
 struct SightGraph {
     struct Link {
         std::uint32_t other;
-        std::uint64_t rays;  ///< > 0, both ways together
+        std::uint32_t rays;  ///< > 0, both ways together
     };
     std::vector<std::size_t> row_begin{
         0};  ///< links of node n: [row_begin[n], row_begin[n + 1]), every other node once
@@ -41,8 +41,9 @@ struct SightGraph {
 };
 
 /// Nodes are the cells. Every patch sends `rays_per_patch` rays from its visible area, a pure function of geometry and
-/// its stable id. Threads: uses them all; the result does not depend on their number. Memory: 16 bytes per link, of
-/// which there are at most two per ray.
+/// its stable id. Threads: uses them all; the result does not depend on their number. Memory: 8 bytes per link, of
+/// which there are at most two per ray; while it is made, 36 bytes per ray. Rays of all patches together are below
+/// 2^32.
 SightGraph trace_sight(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,
                        const SightCells& cells, std::uint32_t rays_per_patch);
 

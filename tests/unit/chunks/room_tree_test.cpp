@@ -13,7 +13,7 @@
 namespace luxel {
 namespace {
 
-using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;
+using Pairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
 
 SightGraph graph_of(const std::vector<std::uint32_t>& patches, const Pairs& pairs) {
     std::vector<std::vector<SightGraph::Link>> rows(patches.size());
@@ -36,9 +36,11 @@ Pairs rooms_in_a_row(std::uint32_t rooms, std::uint32_t cells, unsigned seed) {
     Pairs pairs;
     for (std::uint32_t r = 0; r < rooms; ++r)
         for (std::uint32_t i = r * cells; i < (r + 1) * cells; ++i) {
-            for (std::uint32_t j = i + 1; j < (r + 1) * cells; ++j) pairs[{i, j}] = 50 + random() % 50;
+            for (std::uint32_t j = i + 1; j < (r + 1) * cells; ++j)
+                pairs[{i, j}] = 50 + static_cast<std::uint32_t>(random() % 50);
             if (r + 1 < rooms)
-                pairs[{i, (r + 1) * cells + static_cast<std::uint32_t>(random() % cells)}] = 1 + random() % 5;
+                pairs[{i, (r + 1) * cells + static_cast<std::uint32_t>(random() % cells)}] =
+                    1 + static_cast<std::uint32_t>(random() % 5);
         }
     return pairs;
 }
@@ -95,7 +97,7 @@ TEST(RoomTree, NumbersOfNodesDoNotMatter) {
     // Rays so different that no two pairs are equally close.
     Pairs pairs = rooms_in_a_row(4, 10, 4);
     std::mt19937_64 random(5);
-    for (auto& [pair, rays] : pairs) rays = rays * 100000 + random() % 100000;
+    for (auto& [pair, rays] : pairs) rays = rays * 100000 + static_cast<std::uint32_t>(random() % 100000);
     const std::vector<std::uint32_t> patches(40, 20);
     const Sets before = groups(build_room_tree(graph_of(patches, pairs), 250));
     std::vector<std::uint32_t> number(40);
