@@ -22,15 +22,9 @@ PairBuckets::~PairBuckets() {
     if (scratch_ >= 0) ::close(scratch_);
 }
 
-void PairBuckets::add(std::uint32_t bucket, std::uint32_t b, std::uint32_t row, std::uint32_t column,
-                      std::uint32_t count) {
-    while (count > max_pair_count) {
-        held_[bucket].push_back(pack_pair(b, row, column, max_pair_count));
-        count -= max_pair_count;
-        ++held_pairs_;
-    }
-    held_[bucket].push_back(pack_pair(b, row, column, count));
-    ++held_pairs_;
+void PairBuckets::add(std::uint32_t bucket, std::span<const PackedPair> pairs) {
+    held_[bucket].insert(held_[bucket].end(), pairs.begin(), pairs.end());
+    held_pairs_ += pairs.size();
 }
 
 void PairBuckets::settle() {

@@ -21,6 +21,12 @@ constexpr std::uint32_t pair_chunk(PackedPair pair) { return static_cast<std::ui
 constexpr std::uint32_t pair_count(PackedPair pair) { return static_cast<std::uint32_t>(pair & 0xffff); }
 constexpr std::uint64_t pair_place(PackedPair pair) { return pair >> 16; }
 constexpr std::uint32_t max_pair_count = 0xffff;
+/// Appends one observation; counts above 65535 become several.
+inline void append_pairs(std::vector<PackedPair>& pairs, std::uint32_t b, std::uint32_t row, std::uint32_t column,
+                         std::uint32_t count) {
+    for (; count > max_pair_count; count -= max_pair_count) pairs.push_back(pack_pair(b, row, column, max_pair_count));
+    pairs.push_back(pack_pair(b, row, column, count));
+}
 /// Chunks are numbered in 16 bits inside a bucket.
 constexpr std::uint32_t max_chunks = 65536;
 
@@ -30,8 +36,7 @@ class PairBuckets {
     ~PairBuckets();
     PairBuckets(const PairBuckets&) = delete;
     PairBuckets& operator=(const PairBuckets&) = delete;
-    /// Adds one observation; counts above 65535 become several.
-    void add(std::uint32_t bucket, std::uint32_t b, std::uint32_t row, std::uint32_t column, std::uint32_t count);
+    void add(std::uint32_t bucket, std::span<const PackedPair> pairs);
     /// Moves to the scratch file what exceeds the limit. Call between batches. Throws Error{cannot_write}.
     void settle();
     [[nodiscard]] std::uint64_t size(std::uint32_t bucket) const;

@@ -1,6 +1,7 @@
 #include "baker/store/evidence_reader.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "baker/core/parallel.h"
 
@@ -23,11 +24,16 @@ NumberedEvidence read_block(const BlockFileReader& file, std::size_t index, cons
 IdIndex::IdIndex(std::span<const PatchId> ids) : entries_(ids.size()) {
     for (std::size_t k = 0; k < ids.size(); ++k) entries_[k] = {ids[k], static_cast<PatchNumber>(k)};
     std::sort(entries_.begin(), entries_.end());
+    shift_ = 64 - std::max(1, static_cast<int>(std::bit_width(entries_.size())) - 1);
+    begin_.resize(leading(~PatchId{0}) + 2);
+    for (const Entry& entry : entries_) ++begin_[leading(entry.id) + 1];
+    for (std::size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];
 }
 
 PatchNumber IdIndex::find(PatchId id, const std::string& where) const {
-    const auto at = std::lower_bound(entries_.begin(), entries_.end(), Entry{id, 0});
-    if (at == entries_.end() || at->id != id)
+    const auto first = entries_.begin() + begin_[leading(id)], end = entries_.begin() + begin_[leading(id) + 1];
+    const auto at = std::lower_bound(first, end, Entry{id, 0});
+    if (at == end || at->id != id)
         throw Error(ErrorCode::damaged_store, where, "patch id " + std::to_string(id) + " is not in this scene",
                     "the evidence belongs to another scene; use a fresh bake folder");
     return at->number;

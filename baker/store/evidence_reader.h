@@ -11,7 +11,8 @@
 
 namespace luxel {
 
-/// Stable ids to this bake's numbers: a sorted table, searched by halving. Memory: 16 bytes per patch. Threads: reentrant.
+/// Stable ids to this bake's numbers: a sorted table, searched by halving among the ids with the same leading bits; ids are hashes, so
+/// those are few. Memory: 20 bytes per patch. Threads: reentrant.
 class IdIndex {
   public:
     explicit IdIndex(std::span<const PatchId> ids);
@@ -24,7 +25,10 @@ class IdIndex {
         PatchNumber number;
         bool operator<(const Entry& o) const { return id < o.id; }
     };
+    [[nodiscard]] std::size_t leading(PatchId id) const { return static_cast<std::size_t>(id >> shift_); }
     std::vector<Entry> entries_;
+    int shift_ = 63;                    ///< of the leading bits
+    std::vector<std::uint32_t> begin_;  ///< first entry for each value of the leading bits, and the end
 };
 
 struct NumberedEvidence {

@@ -1,7 +1,8 @@
 #include "baker/store/pooling.h"
 
 #include <algorithm>
-#include <tuple>
+#include <bit>
+#include <utility>
 
 #include "baker/core/parallel.h"
 #include "baker/store/buckets.h"
@@ -42,16 +43,16 @@ struct Tallies {
     }
 };
 
-/// One observation on its way to bucket a: row and column count from the first patches of chunks a and b.
-struct Observation {
-    ChunkNumber a, b;
-    std::uint32_t row, column, count;
+/// Observations on their way to bucket a.
+struct Dealt {
+    ChunkNumber a;
+    std::vector<PackedPair> pairs;
 };
 
 /// Rows of one evidence block by number.
 struct NumberedBlock {
     std::vector<PatchTally> tallies;
-    std::vector<Observation> pairs;
+    std::vector<Dealt> dealt;  ///< one per bucket that occurs
 };
 
 /// A patch and where it is in its chunk.
@@ -63,30 +64,78 @@ struct Place {
     std::uint32_t offset;
 };
 
+/// A target of an evidence block: each is looked for once per block, not once per pair.
+struct Target {
+    Place place;
+    std::size_t dealt;  ///< index of its chunk's bucket
+};
+
+/// Counts of one patch by target, added up over the patch's rows.
+class PatchSums {
+  public:
+    explicit PatchSums(std::size_t targets) : sums_(targets), met_((targets + 63) / 64) {}
+    void add(std::uint32_t target, std::uint32_t count) {
+        met_[target / 64] |= std::uint64_t{1} << (target % 64);
+        sums_[target] += count;
+    }
+    /// Calls body(target, sum) for each target that was met and forgets them. Sums are right below 2^32 rays of the patch.
+    template <class Body>
+    void drain(Body&& body) {
+        for (std::size_t at = 0; at < met_.size(); ++at)
+            for (std::uint64_t word = std::exchange(met_[at], 0); word; word &= word - 1) {
+                const std::size_t target = at * 64 + static_cast<std::size_t>(std::countr_zero(word));
+                body(target, std::exchange(sums_[target], 0));
+            }
+    }
+
+  private:
+    std::vector<std::uint32_t> sums_;
+    std::vector<std::uint64_t> met_;
+};
+
+std::size_t bucket_of(std::vector<Dealt>& dealt, ChunkNumber a) {
+    std::size_t k = 0;
+    while (k < dealt.size() && dealt[k].a != a) ++k;
+    if (k == dealt.size()) dealt.push_back({a, {}});
+    return k;
+}
+
 NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids, const ChunkLayout& layout) {
     const std::string where = file.name() + ": block " + std::to_string(index);
     const EvidenceBlock block = read_evidence_block(file, index);
-    // Each target is looked for once per block, not once per pair.
-    std::vector<Place> targets;
-    targets.reserve(block.targets.size());
-    for (const PatchId id : block.targets) targets.emplace_back(layout, ids.find(id, where));
     NumberedBlock found;
+    std::vector<Target> targets;
+    targets.reserve(block.targets.size());
+    for (const PatchId id : block.targets) {
+        const Place place(layout, ids.find(id, where));
+        targets.push_back({place, bucket_of(found.dealt, place.chunk)});
+    }
     found.tallies.reserve(block.rows.size());
-    found.pairs.reserve(block.counts.size());
-    for (const EvidenceBlock::Row& row : block.rows) {
-        const Place i(layout, ids.find(row.patch_id, where));
-        PatchTally tally{i.number, std::uint64_t{row.open} + row.back, 0, row.open, row.back, row};
-        for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
-            const Place& j = targets[block.target_index[k]];
-            tally.rays += block.counts[k];
-            if (i.number == j.number) {
-                tally.self += block.counts[k];
-                continue;
+    PatchSums sums(targets.size());
+    // Rows of one patch, its replicates, follow one another.
+    for (std::size_t row = 0; row < block.rows.size();) {
+        const PatchId id = block.rows[row].patch_id;
+        const Place i(layout, ids.find(id, where));
+        for (; row < block.rows.size() && block.rows[row].patch_id == id; ++row) {
+            const EvidenceBlock::Row& r = block.rows[row];
+            PatchTally tally{i.number, std::uint64_t{r.open} + r.back, 0, r.open, r.back, r};
+            for (std::uint32_t k = r.first; k < r.first + r.count; ++k) {
+                tally.rays += block.counts[k];
+                if (targets[block.target_index[k]].place.number == i.number)
+                    tally.self += block.counts[k];
+                else
+                    sums.add(block.target_index[k], block.counts[k]);
             }
-            const auto& [low, high] = i.number < j.number ? std::tie(i, j) : std::tie(j, i);
-            found.pairs.push_back({low.chunk, high.chunk, low.offset, high.offset, block.counts[k]});
+            found.tallies.push_back(tally);
         }
-        found.tallies.push_back(tally);
+        const std::size_t own = bucket_of(found.dealt, i.chunk);
+        sums.drain([&](std::size_t target, std::uint32_t count) {
+            const auto& [j, bucket] = targets[target];
+            if (i.number < j.number)
+                append_pairs(found.dealt[own].pairs, j.chunk, i.offset, j.offset, count);
+            else
+                append_pairs(found.dealt[bucket].pairs, i.chunk, j.offset, i.offset, count);
+        });
     }
     return found;
 }
@@ -116,8 +165,7 @@ class Pooling {
                     ledger_.enter(tally.patch, tally.row, file.name() + ": block " + std::to_string(begin + k));
                     tallies_.add(tally, file.name());
                 }
-                for (const Observation& pair : found[k].pairs)
-                    buckets_.add(pair.a, pair.b, pair.row, pair.column, pair.count);
+                for (const Dealt& dealt : found[k].dealt) buckets_.add(dealt.a, dealt.pairs);
             }
             buckets_.settle();
         }
@@ -138,10 +186,15 @@ class Pooling {
         const std::uint64_t room = sort_room();
         for (ChunkNumber begin = a; begin < layout_.chunk_count();) {
             const ChunkNumber end = buckets_.size(a) <= room ? layout_.chunk_count() : range_end(a, begin, room);
+            const bool all = begin == a && end == layout_.chunk_count();
             std::vector<PackedPair> pairs;
+            if (all) pairs.reserve(buckets_.size(a));
             buckets_.visit(a, [&](std::span<const PackedPair> run) {
-                for (const PackedPair pair : run)
-                    if (pair_chunk(pair) >= begin && pair_chunk(pair) < end) pairs.push_back(pair);
+                if (all)
+                    pairs.insert(pairs.end(), run.begin(), run.end());
+                else
+                    for (const PackedPair pair : run)
+                        if (pair_chunk(pair) >= begin && pair_chunk(pair) < end) pairs.push_back(pair);
             });
             sort_pairs(pairs, layout_.chunk_count(), largest_chunk_);
             append_blocks(a, pairs, strip);
@@ -189,6 +242,8 @@ class Pooling {
         block.rows = layout_.size(a);
         block.columns = layout_.size(pair_chunk(pairs.front()));
         block.row_begin.assign(block.rows + 1, 0);
+        block.column.reserve(pairs.size());
+        block.count.reserve(pairs.size());
         for (std::size_t k = 0; k < pairs.size();) {
             std::uint32_t sum = 0;
             const std::uint64_t place = pair_place(pairs[k]);

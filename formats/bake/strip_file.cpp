@@ -9,6 +9,7 @@ namespace luxel {
 namespace {
 
 constexpr std::uint64_t max_side = 65536;
+constexpr std::size_t small_block_pairs = 1024;
 /// Bits of all places with both levels above them, and five bytes of count for each place.
 constexpr std::uint64_t most_index_bytes = max_side * max_side / 8 * 5 / 4 + 5 * max_side * max_side;
 
@@ -121,10 +122,18 @@ StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where) 
 }
 
 BlockFileWriter::Packed pack_pairs(const StripPairs& block) {
-    const Bytes index = encode_counts(block), frame = compress(index, 3), gaps = encode_gaps(block);
+    const Bytes gaps = encode_gaps(block);
+    // An index wins in small blocks, where the codes of symbols weigh, and in regular ones, where symbols need hardly more
+    // than the one bit that a code has at least; elsewhere it is not worth its time.
+    const bool try_index = block.column.size() < small_block_pairs || gaps.size() < block.column.size() / 4;
+    Bytes frame;
     ByteWriter size;
-    size.put_varint(index.size());
-    const bool smaller = size.size() + frame.size() < gaps.size();
+    if (try_index) {
+        const Bytes index = encode_counts(block);
+        size.put_varint(index.size());
+        frame = compress(index, 3);
+    }
+    const bool smaller = try_index && size.size() + frame.size() < gaps.size();
     ByteWriter out;
     out.put(static_cast<std::uint8_t>(smaller ? PairCodec::bit_index : PairCodec::gap_symbols));
     if (smaller) out.put_array(std::span<const std::uint8_t>(size.bytes()));

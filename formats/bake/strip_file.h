@@ -24,7 +24,8 @@ enum class PairCodec : std::uint8_t {
     gap_symbols = 2,  ///< gap_symbols.h
 };
 
-/// A pair block as it is stored: by the codec that makes it smaller. Pure. Requires a valid block.
+/// A pair block as it is stored: by the codec that makes it smaller, as far as that can be expected without trying.
+/// Pure. Requires a valid block.
 BlockFileWriter::Packed pack_pairs(const StripPairs& block);
 
 /// The inverse, for the block's decoded bytes. Validates everything. `diagonal`: only columns above the row are legal. Throws

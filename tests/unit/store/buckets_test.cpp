@@ -31,6 +31,12 @@ Sums sums_of(const PairBuckets& buckets, std::uint32_t bucket, std::uint64_t* en
     return sums;
 }
 
+void add(PairBuckets& buckets, std::uint32_t bucket, std::uint32_t b, std::uint32_t row, std::uint32_t column, std::uint32_t count) {
+    std::vector<PackedPair> pairs;
+    append_pairs(pairs, b, row, column, count);
+    buckets.add(bucket, pairs);
+}
+
 TEST(PairBuckets, PackedOrderIsBlockRowColumn) {
     EXPECT_LT(pack_pair(1, 65535, 65535, 65535), pack_pair(2, 0, 0, 0));
     EXPECT_LT(pack_pair(1, 3, 65535, 65535), pack_pair(1, 4, 0, 0));
@@ -53,7 +59,7 @@ TEST(PairBuckets, GiveBackWhatWasPutIn) {
             const auto column = static_cast<std::uint32_t>(65535 - random() % 3);
             const auto count =
                 static_cast<std::uint32_t>(random() % 100 ? 1 + random() % 9 : 65534 + random() % 200000);
-            buckets.add(bucket, b, row, column, count);
+            add(buckets, bucket, b, row, column, count);
             expected[bucket][pair_place(pack_pair(b, row, column, 0))] += count;
             if (k % 500 == 0) buckets.settle();
         }
@@ -72,7 +78,7 @@ TEST(PairBuckets, LongRunsComeInPieces) {
     const test::TemporaryFolder folder;
     PairBuckets buckets(1, 0, folder.path());
     constexpr std::uint32_t count = 300000;
-    for (std::uint32_t k = 0; k < count; ++k) buckets.add(0, k >> 16, k & 0xffff, 0, 1);
+    for (std::uint32_t k = 0; k < count; ++k) add(buckets, 0, k >> 16, k & 0xffff, 0, 1);
     buckets.settle();
     std::uint64_t longest = 0, sum = 0, runs = 0;
     buckets.visit(0, [&](std::span<const PackedPair> run) {
@@ -87,7 +93,7 @@ TEST(PairBuckets, LongRunsComeInPieces) {
 
 TEST(PairBuckets, SaysWhenItCannotWrite) {
     PairBuckets buckets(1, 0, "/proc/no such folder");
-    buckets.add(0, 0, 0, 0, 1);
+    add(buckets, 0, 0, 0, 0, 1);
     try {
         buckets.settle();
         FAIL();
@@ -120,7 +126,7 @@ TEST(PairSort, EqualsStableSortByPlace) {
 TEST(PairBuckets, AFullDiskIsToldWithItsByte) {
     const test::TemporaryFolder folder;
     PairBuckets buckets(3, 0, folder.path());
-    for (std::uint32_t k = 0; k < 600; ++k) buckets.add(k % 3, 0, k, k + 1, 1);
+    for (std::uint32_t k = 0; k < 600; ++k) add(buckets, k % 3, 0, k, k + 1, 1);
     {
         const test::FileLimit limit(3000);
         try {

@@ -104,8 +104,9 @@ TEST(Pooling, DoesNotDependOnTheCut) {
 /// passes.
 TEST(Pooling, DoesNotDependOnMemoryOrThreads) {
     const TemporaryFolder folder;
-    const MadeEvidence made = test::random_evidence({300, 150, 50, 100}, 200, 6, 3);
-    ASSERT_GT(made.records.size() * 200, 1'200'000u);
+    const MadeEvidence made = test::random_evidence({600, 300, 100, 200}, 200, 6, 3);
+    // Buckets may hold half of 8 MiB, 8 bytes a pair; a pair is dealt once or twice.
+    ASSERT_GT(made.pooled().size(), std::size_t{1} << 19);
     const auto files = test::write_evidence(folder.path(), made.records, 600, 64);
     const auto expected = strip_bytes(pool(folder, made, files, "large"), made.layout);
     for (const unsigned threads : {1u, 2u}) {
