@@ -24,16 +24,23 @@ class NumberSet {
     /// Calls body(number) for each member, ascending, and empties the set.
     template <class Body>
     void drain(Body&& body) {
-        std::sort(touched_.begin(), touched_.end());
-        for (const std::uint32_t at : touched_) {
-            for (std::uint64_t word = words_[at]; word; word &= word - 1)
-                body(at * 64 + static_cast<std::uint32_t>(std::countr_zero(word)));
-            words_[at] = 0;
+        // Sorting a word's place costs more than looking at several words that are empty.
+        if (touched_.size() * 8 >= words_.size()) {
+            for (std::uint32_t at = 0; at < words_.size(); ++at) drain_word(at, body);
+        } else {
+            std::sort(touched_.begin(), touched_.end());
+            for (const std::uint32_t at : touched_) drain_word(at, body);
         }
         touched_.clear();
     }
 
   private:
+    template <class Body>
+    void drain_word(std::uint32_t at, Body&& body) {
+        for (std::uint64_t word = words_[at]; word; word &= word - 1)
+            body(at * 64 + static_cast<std::uint32_t>(std::countr_zero(word)));
+        words_[at] = 0;
+    }
     std::vector<std::uint64_t> words_;
     std::vector<std::uint32_t> touched_;
 };

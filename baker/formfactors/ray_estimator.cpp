@@ -13,12 +13,13 @@ namespace {
 
 constexpr std::uint32_t batch = SobolSequence::batch;
 
-/// A batch of rays on its way: points of the sequence, local directions, rays, hits.
+/// A batch of rays on its way: points of the sequence, local directions, rays, hits, texels.
 struct RayBatch {
     std::array<std::array<float, batch>, 4> points;
     std::array<float, batch> x, y, z;
     std::array<TraceRay, batch> rays;
     std::array<TraceHit, batch> hits;
+    std::array<SurfaceTexel, batch> texels;
 };
 
 /// Rays from a parallelogram: one frame and one triangle for all of them.
@@ -49,6 +50,7 @@ class RayEstimator final : public Estimator {
         out.resize(options_.replicates);
         const PatchSampler sampler(scene_, atlas_, patches_, patch);
         const std::uint64_t end = std::uint64_t{1} << levels.last;
+        RayBatch b;
         for (std::uint32_t replicate = 0; replicate < options_.replicates; ++replicate) {
             out[replicate].clear();
             const SobolSequence sequence(mix(mix(patches_.patches[patch].id, options_.seed), replicate));
@@ -56,7 +58,7 @@ class RayEstimator final : public Estimator {
                 // Level boundaries below the batch size cut batches short.
                 const std::uint64_t first = begin / batch * batch;
                 const std::uint64_t last = std::min(end, first + batch);
-                cast_batch(sampler, sequence, first, begin, last, out[replicate]);
+                cast_batch(sampler, sequence, first, begin, last, b, out[replicate]);
                 begin = last;
             }
         }
@@ -75,8 +77,7 @@ class RayEstimator final : public Estimator {
   private:
     /// Rays [begin, last) of the batch that starts at `first`.
     void cast_batch(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t first, std::uint64_t begin,
-                    std::uint64_t last, Landings& out) const {
-        RayBatch b;
+                    std::uint64_t last, RayBatch& b, Landings& out) const {
         sequence.points(static_cast<std::uint32_t>(first), b.points);
         const std::size_t skip = begin - first, count = last - first;
         cosine_directions(b.points[2], b.points[3], b.x.data(), b.y.data(), b.z.data());
@@ -86,8 +87,14 @@ class RayEstimator final : public Estimator {
             aim(scene_, sampler, count, b);
         const std::span<TraceHit> hits(b.hits.data() + skip, count - skip);
         tracer_.first_hits({b.rays.data() + skip, count - skip}, hits);
-        for (const TraceHit& hit : hits) {
-            const Landing at = landing(scene_, atlas_, patches_, hit);
+        // Texels are fetched for the whole batch before the first is looked at.
+        for (std::size_t k = 0; k < hits.size(); ++k) {
+            if (hits[k].triangle == none) continue;
+            b.texels[k] = surface_texel(atlas_, patches_, hits[k].triangle, hits[k].b1, hits[k].b2);
+            __builtin_prefetch(b.texels[k].patch);
+        }
+        for (std::size_t k = 0; k < hits.size(); ++k) {
+            const Landing at = landing(patches_, hits[k], b.texels[k]);
             if (at.end == RayEnd::patch)
                 out.patches.push_back(at.patch);
             else
