@@ -5,45 +5,13 @@
 #include <memory>
 
 #include "baker/core/parallel.h"
+#include "baker/formfactors/target_sums.h"
 
 namespace luxel {
 namespace {
 
 /// Patches whose records share one block, hence one table of targets: neighbours see the same surfaces.
 constexpr std::size_t block_patches = 64;
-
-/// A set of numbers below a bound that lists its members in ascending order.
-class NumberSet {
-  public:
-    explicit NumberSet(std::size_t bound) : words_((bound + 63) / 64) {}
-    void insert(std::uint32_t number) {
-        std::uint64_t& word = words_[number / 64];
-        if (!word) touched_.push_back(number / 64);
-        word |= std::uint64_t{1} << (number % 64);
-    }
-    /// Calls body(number) for each member, ascending, and empties the set.
-    template <class Body>
-    void drain(Body&& body) {
-        // Sorting a word's place costs more than looking at several words that are empty.
-        if (touched_.size() * 8 >= words_.size()) {
-            for (std::uint32_t at = 0; at < words_.size(); ++at) drain_word(at, body);
-        } else {
-            std::sort(touched_.begin(), touched_.end());
-            for (const std::uint32_t at : touched_) drain_word(at, body);
-        }
-        touched_.clear();
-    }
-
-  private:
-    template <class Body>
-    void drain_word(std::uint32_t at, Body&& body) {
-        for (std::uint64_t word = words_[at]; word; word &= word - 1)
-            body(at * 64 + static_cast<std::uint32_t>(std::countr_zero(word)));
-        words_[at] = 0;
-    }
-    std::vector<std::uint64_t> words_;
-    std::vector<std::uint32_t> touched_;
-};
 
 /// Turns lists of landings into one evidence block without sorting them: targets are ranked once per block, then counted.
 class BlockBuilder {
@@ -60,26 +28,17 @@ class BlockBuilder {
 
     EvidenceBlock finish() {
         rank_targets();
-        std::vector<std::uint32_t> count(block_.targets.size());
-        NumberSet met(block_.targets.size());
+        TargetSums sums(block_.targets.size());
         std::size_t at = 0;
         for (std::size_t row = 0; row < block_.rows.size(); ++row) {
             if (weights_.empty())
-                for (; at < row_end_[row]; ++at) {
-                    const std::uint32_t rank = rank_[landings_[at]];
-                    if (!count[rank]++) met.insert(rank);
-                }
+                for (; at < row_end_[row]; ++at) sums.add(rank_[landings_[at]], 1);
             else
-                for (; at < row_end_[row]; ++at) {
-                    const std::uint32_t rank = rank_[landings_[at]];
-                    if (!count[rank]) met.insert(rank);
-                    count[rank] += weights_[at];
-                }
+                for (; at < row_end_[row]; ++at) sums.add(rank_[landings_[at]], weights_[at]);
             block_.rows[row].first = static_cast<std::uint32_t>(block_.counts.size());
-            met.drain([&](std::uint32_t rank) {
+            sums.drain([&](std::uint32_t rank, std::uint32_t count) {
                 block_.target_index.push_back(rank);
-                block_.counts.push_back(count[rank]);
-                count[rank] = 0;
+                block_.counts.push_back(count);
             });
             block_.rows[row].count = static_cast<std::uint32_t>(block_.counts.size()) - block_.rows[row].first;
         }
@@ -88,10 +47,14 @@ class BlockBuilder {
 
   private:
     void rank_targets() {
-        NumberSet distinct(ids_.size());
-        for (const PatchNumber target : landings_) distinct.insert(target);
+        std::vector<std::uint64_t> met((ids_.size() + 63) / 64);
+        for (const PatchNumber target : landings_) met[target / 64] |= std::uint64_t{1} << (target % 64);
         std::vector<std::pair<PatchId, PatchNumber>> targets;
-        distinct.drain([&](PatchNumber target) { targets.emplace_back(ids_[target], target); });
+        for (std::size_t at = 0; at < met.size(); ++at)
+            for (std::uint64_t word = met[at]; word; word &= word - 1) {
+                const auto target = static_cast<PatchNumber>(at * 64 + static_cast<std::size_t>(std::countr_zero(word)));
+                targets.emplace_back(ids_[target], target);
+            }
         std::sort(targets.begin(), targets.end());
         rank_.reset(new std::uint32_t[ids_.size()]);  // only the entries of targets are ever read
         for (std::size_t rank = 0; rank < targets.size(); ++rank) {

@@ -1,10 +1,9 @@
 #include "baker/store/pooling.h"
 
 #include <algorithm>
-#include <bit>
-#include <utility>
 
 #include "baker/core/parallel.h"
+#include "baker/formfactors/target_sums.h"
 #include "baker/store/buckets.h"
 #include "baker/store/evidence_reader.h"
 #include "baker/store/level_ledger.h"
@@ -70,29 +69,6 @@ struct Target {
     std::size_t dealt;  ///< index of its chunk's bucket
 };
 
-/// Counts of one patch by target, added up over the patch's rows.
-class PatchSums {
-  public:
-    explicit PatchSums(std::size_t targets) : sums_(targets), met_((targets + 63) / 64) {}
-    void add(std::uint32_t target, std::uint32_t count) {
-        met_[target / 64] |= std::uint64_t{1} << (target % 64);
-        sums_[target] += count;
-    }
-    /// Calls body(target, sum) for each target that was met and forgets them. Sums are right below 2^32 rays of the patch.
-    template <class Body>
-    void drain(Body&& body) {
-        for (std::size_t at = 0; at < met_.size(); ++at)
-            for (std::uint64_t word = std::exchange(met_[at], 0); word; word &= word - 1) {
-                const std::size_t target = at * 64 + static_cast<std::size_t>(std::countr_zero(word));
-                body(target, std::exchange(sums_[target], 0));
-            }
-    }
-
-  private:
-    std::vector<std::uint32_t> sums_;
-    std::vector<std::uint64_t> met_;
-};
-
 std::size_t bucket_of(std::vector<Dealt>& dealt, ChunkNumber a) {
     std::size_t k = 0;
     while (k < dealt.size() && dealt[k].a != a) ++k;
@@ -111,8 +87,8 @@ NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const I
         targets.push_back({place, bucket_of(found.dealt, place.chunk)});
     }
     found.tallies.reserve(block.rows.size());
-    PatchSums sums(targets.size());
-    // Rows of one patch, its replicates, follow one another.
+    // Rows of one patch, its replicates, follow one another. Their sums are right below 2^32 rays; more are refused later.
+    TargetSums sums(targets.size());
     for (std::size_t row = 0; row < block.rows.size();) {
         const PatchId id = block.rows[row].patch_id;
         const Place i(layout, ids.find(id, where));
@@ -129,7 +105,7 @@ NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const I
             found.tallies.push_back(tally);
         }
         const std::size_t own = bucket_of(found.dealt, i.chunk);
-        sums.drain([&](std::size_t target, std::uint32_t count) {
+        sums.drain([&](std::uint32_t target, std::uint32_t count) {
             const auto& [j, bucket] = targets[target];
             if (i.number < j.number)
                 append_pairs(found.dealt[own].pairs, j.chunk, i.offset, j.offset, count);
