@@ -66,7 +66,7 @@ TracedRun cut(const std::vector<Row>& rows, std::uint32_t first_row, const Chunk
             }
             pairs.row_begin.push_back(static_cast<std::uint32_t>(pairs.column.size()));
         }
-        run.sides.emplace_back(chunk, SideRun{first_row, pairs.rows, pack_pairs(pairs, false)});
+        run.sides.emplace_back(chunk, SideRun{first_row, pairs.rows, pack_pairs(pairs)});
     }
     return run;
 }

@@ -39,7 +39,7 @@ StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress
         parallel_for(strip.size(), 1, [&](std::size_t k) {
             const auto b = static_cast<ChunkNumber>(a + k);
             const StripPairs pairs = rows.block({a, b});
-            if (!pairs.column.empty()) strip[k] = {a, b, pairs.column.size(), pack_pairs(pairs, a == b).stored.size()};
+            if (!pairs.column.empty()) strip[k] = {a, b, pairs.column.size(), pack_pairs(pairs).stored.size()};
         });
         std::copy_if(strip.begin(), strip.end(), std::back_inserter(directory.blocks),
                      [](const DirectoryBlock& block) { return block.pair_count > 0; });
@@ -85,7 +85,7 @@ void keep_blocks(TracedRows& rows, const StripDirectory& directory, const std::v
         if (!block_file_is_whole(path, FileKind::strip, strip_version, hot)) {
             std::vector<BlockFileWriter::Packed> packed(strips[a].size());
             parallel_for(packed.size(), 1, [&](std::size_t k) {
-                packed[k] = pack_pairs(rows.block({a, strips[a][k].b}), a == strips[a][k].b);
+                packed[k] = pack_pairs(rows.block({a, strips[a][k].b}));
             });
             StripWriter strip(path, hot, of_chunk(directory.tallies, layout.first_patch[a], layout.first_patch[a + 1]));
             for (std::size_t k = 0; k < packed.size(); ++k) strip.append(strips[a][k].b, strips[a][k].pair_count, packed[k]);
