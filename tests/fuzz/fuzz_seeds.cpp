@@ -10,6 +10,7 @@
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/gap_symbols.h"
 #include "formats/bake/patches_file.h"
+#include "formats/base/compress.h"
 #include "tests/fuzz/fuzz_file.h"
 #include "tests/fuzz/fuzz_scene.h"
 #include "tests/fuzz/gltf_seeds.h"
@@ -72,11 +73,29 @@ void strips(const Seeds& seeds) {
     for (const unsigned every : {1u, 3u, 20u}) {
         const StripPairs own = some_pairs(6, 6, true, every > 3 ? 3 : every, random), other = some_pairs(6, 70, false, every, random);
         StripWriter strip(seeds.path(), key, {{9, 8, 7, 9, 9, 9}, {1, 0, 2, 0, 0, 0}, {0, 8, 1, 0, 0, 0}, {8, 0, 4, 9, 0, 1}});
-        strip.append(0, own.column.size(), pack_pairs(own, true));
-        strip.append(1, other.column.size(), pack_pairs(other, false));
+        strip.append(0, own.column.size(), pack_pairs(own));
+        strip.append(1, other.column.size(), pack_pairs(other));
         strip.publish();
         seeds.write_file("strip_fuzz", "every_" + std::to_string(every));
     }
+}
+
+/// A small block as pairs_fuzz reads it in the clear; `large`: its large values. All numbers are below 128.
+Bytes clear(const StripPairs& block, const Bytes& large) {
+    Bytes sizes;
+    for (std::uint32_t row = 0; row < block.rows; ++row) sizes.push_back(static_cast<std::uint8_t>(block.row_begin[row + 1] - block.row_begin[row]));
+    const Bytes coded = encode_gaps(block);
+    const auto framed = [](const Bytes& numbers) { return numbers.empty() ? 0 : 1 + compress_literals(numbers).size(); };
+    constexpr std::size_t header = 3;
+    const Bytes symbols(coded.begin() + header, coded.end() - static_cast<std::ptrdiff_t>(framed(sizes) + framed(large)));
+    Bytes out;
+    const auto put = [&](std::size_t number) { out.insert(out.end(), {static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8)}); };
+    for (const std::size_t number : {std::size_t{block.rows}, std::size_t{block.columns}, block.column.size()}) put(number);
+    for (const Bytes& part : {symbols, sizes, Bytes(), large, Bytes()}) {
+        put(part.size());
+        out.insert(out.end(), part.begin(), part.end());
+    }
+    return out;
 }
 
 void pairs(const Seeds& seeds) {
@@ -86,16 +105,15 @@ void pairs(const Seeds& seeds) {
             const StripPairs block = some_pairs(20, 150, diagonal, every, random);
             const std::string name = (diagonal ? "diagonal_" : "other_") + std::to_string(every);
             const auto first = [&](unsigned how) { return Bytes{static_cast<std::uint8_t>(how << 1 | (diagonal ? 1 : 0))}; };
-            Bytes gaps = encode_gaps(block, diagonal);
-            gaps.insert(gaps.begin(), static_cast<std::uint8_t>(diagonal ? PairCodec::gap_symbols_above_diagonal : PairCodec::gap_symbols));
-            seeds.write("pairs_fuzz", "packed_" + name, first(0), pack_pairs(block, diagonal).stored);
+            Bytes gaps = encode_gaps(block);
+            gaps.insert(gaps.begin(), static_cast<std::uint8_t>(PairCodec::gap_symbols));
+            seeds.write("pairs_fuzz", "packed_" + name, first(0), pack_pairs(block).stored);
             seeds.write("pairs_fuzz", "gaps_" + name, first(0), gaps);
             seeds.write("pairs_fuzz", "index_" + name, first(1), encode_counts(block));
         }
-    // Two rows, two columns, the pair (0, 1) with three rays: streams in the clear.
-    seeds.write("pairs_fuzz", "clear", {5}, {2, 0, 2, 0, 1, 0, 1, 0, 0x30, 0, 0, 1, 0, 0x01, 0, 0, 0, 0, 0, 0});
+    seeds.write("pairs_fuzz", "clear", {5}, clear({2, 2, {0, 1, 1}, {1}, {3}}, {}));
     // A gap of 20 and a count of 18, both beyond a symbol.
-    seeds.write("pairs_fuzz", "clear_large", {4}, {1, 0, 30, 0, 1, 0, 1, 0, 0xff, 0, 0, 0, 0, 0, 0, 1, 0, 0, 2, 0, 5, 3});
+    seeds.write("pairs_fuzz", "clear_large", {4}, clear({1, 30, {0, 1}, {20}, {18}}, {5, 3}));
 }
 
 void patches(const Seeds& seeds) {

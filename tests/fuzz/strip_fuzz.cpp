@@ -49,7 +49,7 @@ void write_again(const Strips& strips, ChunkNumber a, const std::filesystem::pat
     for (const CountBlock& block : strips.counts)
         if (block.a == a)
             strip.append(block.b, block.counts.size(),
-                         pack_pairs({layout.size(a), layout.size(block.b), block.row_begin, block.columns, block.counts}, a == block.b));
+                         pack_pairs({layout.size(a), layout.size(block.b), block.row_begin, block.columns, block.counts}));
     strip.publish();
 }
 

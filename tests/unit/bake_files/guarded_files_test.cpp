@@ -72,8 +72,8 @@ class GuardedStrip : public GuardedFile {
     void write() const {
         StripWriter strip(path_, key, {{9, 8, 7}, {1, 0, 2}, {0, 8, 1}, {8, 0, 4}});
         const StripPairs diagonal{3, 3, {0, 1, 2, 2}, {1, 2}, {5, 70000}}, wide{3, 70, {0, 2, 2, 3}, {0, 69, 3}, {1, 2, 300}};
-        strip.append(2, 2, packed(PairCodec::gap_symbols_above_diagonal, encode_gaps(diagonal, true)));
-        strip.append(4, 3, packed(PairCodec::gap_symbols, encode_gaps(wide, false)));
+        strip.append(2, 2, packed(PairCodec::gap_symbols, encode_gaps(diagonal)));
+        strip.append(4, 3, packed(PairCodec::gap_symbols, encode_gaps(wide)));
         const Bytes index = encode_counts(wide);
         Bytes framed = compress(index, 3);
         framed.insert(framed.begin(), static_cast<std::uint8_t>(index.size()));  // a varint of one byte
