@@ -38,7 +38,7 @@ class KilledBake : public testing::Test {
   protected:
     [[nodiscard]] std::vector<std::string> arguments(const std::string& name) const {
         return {"bake", sample("two_rooms").string(), "-o", (folder_ / name / "out/scene.glb").string(), "--work", work(name).string(),
-                "--texels-per-metre", "12", "--atlas-size", "256", "--patch-texels", "2", "--chunk-patches", "128", "--rays", "1024",
+                "--texels-per-metre", "12", "--atlas-size", "256", "--patch-texels", "2", "--chunk-patches", "128", "--rays", rays_,
                 "--gather-rays", "0", "--threads", "2", "--store", store_};
     }
     [[nodiscard]] std::filesystem::path work(const std::string& name) const { return folder_ / name / "work"; }
@@ -109,7 +109,7 @@ class KilledBake : public testing::Test {
     }
 
     const TemporaryFolder folder_;
-    std::string store_ = "all";
+    std::string store_ = "all", rays_ = "1024";
 };
 
 TEST_F(KilledBake, IsContinuedByTheNextRun) {
@@ -167,6 +167,7 @@ TEST_F(KilledBake, IsContinuedByTheNextRun) {
 /// Without evidence on the disk a killed run has lost the rays since the last directory or kept strip, and nothing else.
 TEST_F(KilledBake, OfAStoreThatIsNotAllIsContinuedToo) {
     int killed = 0, kept = 0;
+    rays_ = "256";
     for (const char* store : {"none", "hot"}) {
         store_ = store;
         const std::string undisturbed = std::string("whole-") + store;
