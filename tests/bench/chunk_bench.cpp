@@ -18,6 +18,7 @@
 #include "baker/bake/solve_stage.h"
 #include "baker/core/parallel.h"
 #include "baker/solver/shoot.h"
+#include "baker/store/closed_matrix.h"
 #include "formats/bake/strip_file.h"
 
 using namespace luxel;
@@ -143,8 +144,7 @@ void print_orders(const BakedGeometry& geometry, const std::vector<PlacedBlock>&
         const auto place = places(geometry.layout, keys);
         std::vector<std::uint64_t> bytes(blocks.size());
         parallel_for(blocks.size(), 1, [&](std::size_t k) {
-            bytes[k] =
-                pack_pairs(permuted(blocks[k], geometry.layout, place), blocks[k].a == blocks[k].b).stored.size();
+            bytes[k] = pack_pairs(permuted(blocks[k], geometry.layout, place)).stored.size();
         });
         fmt::print("    {:<18} {:.3f} bytes/pair\n", name,
                    static_cast<double>(std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0})) / pairs);
@@ -164,7 +164,7 @@ double solve_reads(const BakedGeometry& geometry, const BakedMatrix& matrix, con
         for (int c = 0; c < 3; ++c) reflectance.back()[c] = std::min(reflectance.back()[c], 0.99f);
         if (dark && patch.id % 256 == 0) emission[p] = {1, 1, 1};
     }
-    ClosedStrips source(*matrix.strips, matrix.area_m2, matrix.closure);
+    ClosedMatrix source(*matrix.strips, matrix.area_m2, matrix.closure);
     SolveOptions solve;
     solve.tolerance = tolerance;
     return solve_by_shooting(source, {reflectance, emission}, solve).reads;
