@@ -85,7 +85,8 @@ std::optional<LevelPlan> load_plan(const std::filesystem::path& path, const Key&
     check_size(file, last.size(), patch_count, "last");
     LevelPlan plan;
     for (std::size_t p = 0; p < patch_count; ++p) {
-        if (last[p] > highest_level || first[p] > last[p] + 1) damaged(file, "levels of patch " + std::to_string(p) + " are out of order");
+        if (last[p] > highest_level || first[p] > last[p] + 1)
+            damaged(file, "levels of patch " + std::to_string(p) + " are out of order");
         plan.levels.push_back({first[p], last[p]});
     }
     return plan;
@@ -110,7 +111,8 @@ std::optional<Closure> load_closure(const std::filesystem::path& path, const Key
     require_numbered_blocks(file, 4);
     Closure closure;
     closure.mu = finite_column<double>(file, 0, patch_count, "mu");
-    if (std::any_of(closure.mu.begin(), closure.mu.end(), [](double mu) { return mu < 0; })) damaged(file, "a negative mu");
+    if (std::any_of(closure.mu.begin(), closure.mu.end(), [](double mu) { return mu < 0; }))
+        damaged(file, "a negative mu");
     closure.diagonal_m2 = finite_column<double>(file, 1, patch_count, "diagonal");
     closure.row_open_m2 = finite_column<double>(file, 2, patch_count, "open");
     const auto report = finite_column<double>(file, 3, 11, "report");

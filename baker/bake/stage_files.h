@@ -23,9 +23,9 @@
 namespace luxel {
 
 void save_plan(const std::filesystem::path& path, const Key& key, const LevelPlan& plan);
-/// Empty if the file is absent, here and below. Throws Error{damaged_store} for damage, sizes other than patch_count, and
-/// numbers that no save_ function would be given: not finite (but for error bounds), counts that are not whole, levels out of
-/// order.
+/// Empty if the file is absent, here and below. Throws Error{damaged_store} for damage, sizes other than patch_count,
+/// and numbers that no save_ function would be given: not finite (but for error bounds), counts that are not whole,
+/// levels out of order.
 std::optional<LevelPlan> load_plan(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
 
 void save_closure(const std::filesystem::path& path, const Key& key, const Closure& closure);

@@ -45,8 +45,8 @@ class Checker {
         if (!(atlas_.texels_per_metre > 0) || !std::isfinite(atlas_.texels_per_metre))
             fail(fmt::format("{} texels per metre", atlas_.texels_per_metre));
         // unwrap() gives no page without a chart: a larger number would only ask for memory.
-        if (atlas_.page_size < smallest_page || atlas_.page_size > largest_page || atlas_.page_count > atlas_.charts.size() ||
-            atlas_.padding > atlas_.page_size / 8)
+        if (atlas_.page_size < smallest_page || atlas_.page_size > largest_page ||
+            atlas_.page_count > atlas_.charts.size() || atlas_.padding > atlas_.page_size / 8)
             fail(fmt::format("{} pages of {} texels with padding {} for {} charts", atlas_.page_count, atlas_.page_size,
                              atlas_.padding, atlas_.charts.size()));
         atlas_.triangle_chart.assign(scene_.triangle_count(), none);

@@ -14,8 +14,8 @@ namespace luxel {
 void save_atlas(const std::filesystem::path& path, const Key& key, const Atlas& atlas);
 
 /// Throws Error{damaged_store} unless the file is whole, has this key, and is a valid atlas of this scene: every
-/// triangle in exactly one chart of its own object, charts in order and inside their pages, coordinates finite and inside
-/// their charts.
+/// triangle in exactly one chart of its own object, charts in order and inside their pages, coordinates finite and
+/// inside their charts.
 Atlas load_atlas(const std::filesystem::path& path, const Key& key, const Scene& scene);
 
 }  // namespace luxel

@@ -110,9 +110,10 @@ EvidenceBlock read_evidence_block(const BlockFileReader& file, std::size_t index
     const auto tag = [&](std::size_t k) { return file.blocks()[k].tag; };
     const bool is_last = index + 1 == file.blocks().size();
     if ((index == 0 && tag(0) != 0) || (!is_last && tag(index + 1) - tag(index) != block.rows.size()))
-        throw Error(ErrorCode::damaged_store, where,
-                    std::to_string(block.rows.size()) + " records, but the tags of this block and the next do not say so",
-                    "the file is damaged; remove it and run the same command again");
+        throw Error(
+            ErrorCode::damaged_store, where,
+            std::to_string(block.rows.size()) + " records, but the tags of this block and the next do not say so",
+            "the file is damaged; remove it and run the same command again");
     return block;
 }
 

@@ -63,8 +63,8 @@ inline Bytes encode_evidence(std::span<const EvidenceRecord> records) { return e
 /// Validates everything: order, bounds, counts > 0, sums equal to the ray count. Throws Error{damaged_store}.
 EvidenceBlock decode_evidence(ByteView raw, const std::string& where);
 
-/// Block `index` of a file; also demands that its tag is the number of its first record: none is lost, double or out of order
-/// as long as the file's blocks are read from end to end. Throws Error{damaged_store}.
+/// Block `index` of a file; also demands that its tag is the number of its first record: none is lost, double or out of
+/// order as long as the file's blocks are read from end to end. Throws Error{damaged_store}.
 EvidenceBlock read_evidence_block(const BlockFileReader& file, std::size_t index);
 
 /// Row `row` of a block as a record of its own.

@@ -178,7 +178,8 @@ std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file) {
         info.pair_count = in.get<std::uint64_t>("pair count");
         if (!directory.empty() && info.b <= directory.back().b) in.fail("chunk b", "not ascending");
         if (info.pair_count == 0) in.fail("pair count", "a block without pairs");
-        if (file.blocks()[first_pair_block + k].tag != first_pair_block + info.b) in.fail("chunk b", "the block has another tag");
+        if (file.blocks()[first_pair_block + k].tag != first_pair_block + info.b)
+            in.fail("chunk b", "the block has another tag");
         directory.push_back(info);
     }
     in.expect_end("directory");

@@ -96,7 +96,8 @@ class BlockFileReader {
 /// Is a whole file of this kind, version and key there? Any damage counts as "no".
 bool block_file_is_whole(const std::filesystem::path& path, FileKind kind, std::uint32_t version, const Key& key);
 
-/// The kinds whose blocks are numbered: throws Error{damaged_store} unless there are `count` blocks with the tags 0, 1, 2, ...
+/// The kinds whose blocks are numbered: throws Error{damaged_store} unless there are `count` blocks with the tags 0, 1,
+/// 2, ...
 void require_numbered_blocks(const BlockFileReader& file, std::size_t count);
 
 /// Block `index` as a name: up to 64 printable characters of ASCII. Throws Error{damaged_store}.

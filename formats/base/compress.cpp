@@ -23,8 +23,8 @@ ZSTD_DCtx* decompressing() {
     return context.get();
 }
 
-/// A block of a frame is four bytes or more and holds 128 KiB or less: nothing in a frame of its size can be more. A frame
-/// that claims more is not given memory.
+/// A block of a frame is four bytes or more and holds 128 KiB or less: nothing in a frame of its size can be more. A
+/// frame that claims more is not given memory.
 constexpr std::uint64_t most_expansion = 128 * 1024 / 4;
 
 }  // namespace
@@ -65,7 +65,8 @@ void decompress_into(ByteView frame, std::uint64_t raw_bytes, const std::string&
     if (stated != raw_bytes)
         throw damaged("zstd frame of " + std::to_string(stated) + " bytes, expected " + std::to_string(raw_bytes));
     if (raw_bytes / most_expansion > frame.size())
-        throw damaged("zstd frame of " + std::to_string(frame.size()) + " bytes cannot hold " + std::to_string(raw_bytes));
+        throw damaged("zstd frame of " + std::to_string(frame.size()) + " bytes cannot hold " +
+                      std::to_string(raw_bytes));
     raw.reserve(raw_bytes + slack);
     raw.resize(raw_bytes);
     const std::size_t size = ZSTD_decompressDCtx(decompressing(), raw.data(), raw.size(), frame.data(), frame.size());

@@ -72,7 +72,8 @@ RandomFile::RandomFile(const std::filesystem::path& path) : path_(path) {
     if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
         const std::string why = descriptor_ < 0 ? system_text() : "not a file";
         if (descriptor_ >= 0) ::close(descriptor_);
-        throw Error(ErrorCode::damaged_store, path.string(), "cannot open: " + why, "run the command again that wrote it");
+        throw Error(ErrorCode::damaged_store, path.string(), "cannot open: " + why,
+                    "run the command again that wrote it");
     }
     size_ = static_cast<std::uint64_t>(status.st_size);
 }

@@ -1,5 +1,5 @@
-// The disk fails at any read, write, sync or rename of a whole bake: the error names the file (and byte), what is in the bake folder
-// stays valid, and the next run goes on to the same bytes.
+// The disk fails at any read, write, sync or rename of a whole bake: the error names the file (and byte), what is in
+// the bake folder stays valid, and the next run goes on to the same bytes.
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -33,7 +33,8 @@ class DiskFaultBake : public testing::Test {
         std::filesystem::remove_all(folder_ / "out");
         stage_.clear();
     }
-    /// An undisturbed bake: its files are what all others must come to. Returns the first and the last call of each stage.
+    /// An undisturbed bake: its files are what all others must come to. Returns the first and the last call of each
+    /// stage.
     std::set<std::uint64_t> places(DiskCall call) {
         forget();
         const DiskFault none(call, folder_.path().string(), ~std::uint64_t{0}, EIO);
@@ -66,14 +67,17 @@ class DiskFaultBake : public testing::Test {
                 struck_in_.insert(stage_);
                 EXPECT_EQ(thrown.code, expected) << thrown.what();
                 EXPECT_NE(thrown.where.find(folder_.path().string()), std::string::npos) << thrown.what();
-                EXPECT_TRUE(call == DiskCall::sync || call == DiskCall::rename || thrown.what_text.find("at byte ") != std::string::npos)
+                EXPECT_TRUE(call == DiskCall::sync || call == DiskCall::rename ||
+                            thrown.what_text.find("at byte ") != std::string::npos)
                     << thrown.what();
                 EXPECT_FALSE(thrown.hint.empty()) << thrown.what();
             }
         }
         expect_valid_folder();
-        for (const auto& [name, bytes] : files_below(folder_ / "work"))  // but for those of rounds that a whole bake discards
-            EXPECT_TRUE(!stored_.contains(name) || bytes == stored_.at(name)) << name << " is not as an undisturbed bake has it";
+        for (const auto& [name, bytes] :
+             files_below(folder_ / "work"))  // but for those of rounds that a whole bake discards
+            EXPECT_TRUE(!stored_.contains(name) || bytes == stored_.at(name))
+                << name << " is not as an undisturbed bake has it";
         for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
             EXPECT_FALSE(is_temporary(entry.path())) << entry.path();
         bake(options());
@@ -95,7 +99,9 @@ class DiskFaultBake : public testing::Test {
     std::set<std::string> struck_in_;
 };
 
-TEST_F(DiskFaultBake, ReadErrors) { sweep(DiskCall::read, EIO, ErrorCode::damaged_store, {"pooling", "closure", "solve"}); }
+TEST_F(DiskFaultBake, ReadErrors) {
+    sweep(DiskCall::read, EIO, ErrorCode::damaged_store, {"pooling", "closure", "solve"});
+}
 
 TEST_F(DiskFaultBake, AFullDisk) {
     sweep(DiskCall::write, ENOSPC, ErrorCode::cannot_write, {"evidence", "pooling", "closure", "solve", "light"});
@@ -103,7 +109,9 @@ TEST_F(DiskFaultBake, AFullDisk) {
 
 TEST_F(DiskFaultBake, SyncErrors) { sweep(DiskCall::sync, EIO, ErrorCode::cannot_write, {"evidence", "pooling"}); }
 
-TEST_F(DiskFaultBake, RenameErrors) { sweep(DiskCall::rename, EACCES, ErrorCode::cannot_write, {"evidence", "pooling"}); }
+TEST_F(DiskFaultBake, RenameErrors) {
+    sweep(DiskCall::rename, EACCES, ErrorCode::cannot_write, {"evidence", "pooling"});
+}
 
 TEST_F(DiskFaultBake, ShortReadsAndWritesChangeNothing) {
     places(DiskCall::read);

@@ -1,5 +1,5 @@
-/// Any blocks as the atlas of a scene: refused as a damaged store, or an atlas that fits the scene and is, written again, the
-/// same.
+/// Any blocks as the atlas of a scene: refused as a damaged store, or an atlas that fits the scene and is, written
+/// again, the same.
 #include <cstddef>
 
 #include "baker/unwrap/atlas_file.h"
@@ -10,7 +10,8 @@ namespace luxel {
 namespace {
 
 void check(const Atlas& atlas, const Scene& scene) {
-    fuzz::require(atlas.triangle_chart.size() == scene.triangle_count() && atlas.corner_uv.size() == 3 * scene.triangle_count());
+    fuzz::require(atlas.triangle_chart.size() == scene.triangle_count() &&
+                  atlas.corner_uv.size() == 3 * scene.triangle_count());
     for (std::uint32_t t = 0; t < scene.triangle_count(); ++t) {
         fuzz::require(atlas.triangle_chart[t] < atlas.charts.size());
         const Chart& chart = atlas.charts[atlas.triangle_chart[t]];
@@ -38,6 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Atlas again = load_atlas(path, fuzz::key, scene);
     save_atlas(path, fuzz::key, again);
     const test::BlockContents twice = test::contents_of(path);
-    for (std::size_t k = 0; k < written.parts.size(); ++k) fuzz::require(written.parts[k].bytes == twice.parts[k].bytes);
+    for (std::size_t k = 0; k < written.parts.size(); ++k)
+        fuzz::require(written.parts[k].bytes == twice.parts[k].bytes);
     return 0;
 }

@@ -1,5 +1,5 @@
-/// Any bytes as a block file, with wrong or (first byte odd) right checksums: refused as a damaged store, or a file that can be
-/// read to its end and that is, written again, the same.
+/// Any bytes as a block file, with wrong or (first byte odd) right checksums: refused as a damaged store, or a file
+/// that can be read to its end and that is, written again, the same.
 #include <cstddef>
 #include <fstream>
 

@@ -1,5 +1,5 @@
-/// Any blocks as an evidence file: refused as a damaged store, or records that are, written again, the same, and that pooling
-/// refuses or turns into strips that can be read.
+/// Any blocks as an evidence file: refused as a damaged store, or records that are, written again, the same, and that
+/// pooling refuses or turns into strips that can be read.
 #include <cstddef>
 
 #include "baker/store/pooling.h"
@@ -38,8 +38,9 @@ void pool(const std::filesystem::path& path) {
     std::filesystem::remove_all(strips);
     std::filesystem::create_directory(strips);
     const std::vector<EvidenceFile> files{{path, fuzz::key}};
-    const bool pooled =
-        fuzz::accepts([&] { pool_evidence(layout, ids, files, strips, fuzz::key, {1 << 20, fuzz::scratch_folder()}, {}); });
+    const bool pooled = fuzz::accepts([&] {
+        pool_evidence(layout, ids, files, strips, fuzz::key, {1 << 20, fuzz::scratch_folder()}, {});
+    });
     if (!pooled) return;
     const StripStore store(strips, fuzz::key, layout);
     CountBlock block;

@@ -1,9 +1,9 @@
-/// What the fuzz targets of bake files share. Bytes of a fuzzer become the blocks of a file whose checksums are right, so
-/// that it is what the file says that is tried, and not XXH3; block_file_fuzz tries the container itself.
+/// What the fuzz targets of bake files share. Bytes of a fuzzer become the blocks of a file whose checksums are right,
+/// so that it is what the file says that is tried, and not XXH3; block_file_fuzz tries the container itself.
 ///
-/// Input: per block a header of two bytes, low byte first, then the block's bytes. Bits 0 to 13 are its size (what is left, if
-/// that is less); bit 14: a byte with the block's tag follows the header, otherwise the tag is the block's number; bit 15: the
-/// tag is that of the block before plus the byte that follows.
+/// Input: per block a header of two bytes, low byte first, then the block's bytes. Bits 0 to 13 are its size (what is
+/// left, if that is less); bit 14: a byte with the block's tag follows the header, otherwise the tag is the block's
+/// number; bit 15: the tag is that of the block before plus the byte that follows.
 #pragma once
 #include <unistd.h>
 

@@ -56,9 +56,24 @@ void collect(json& node, std::vector<json*>& all) {
 }
 
 json odd_value(Random& random) {
-    const std::array<json, 18> values{json(nullptr), json(true), json(""), json::array(), json::object(), json(0), json(1), json(2), json(-1),
-                                      json(3), json(255), json(65536), json(2147483648.0), json(4294967295u), json(9007199254740992.0),
-                                      json(1e300), json(0.5), json(-1e-30)};
+    const std::array<json, 18> values{json(nullptr),
+                                      json(true),
+                                      json(""),
+                                      json::array(),
+                                      json::object(),
+                                      json(0),
+                                      json(1),
+                                      json(2),
+                                      json(-1),
+                                      json(3),
+                                      json(255),
+                                      json(65536),
+                                      json(2147483648.0),
+                                      json(4294967295u),
+                                      json(9007199254740992.0),
+                                      json(1e300),
+                                      json(0.5),
+                                      json(-1e-30)};
     return values[random() % values.size()];
 }
 
@@ -69,18 +84,26 @@ void change(json& root, Random& random) {
     json& node = *all[random() % all.size()];
     const json other = *all[random() % all.size()];
     switch (random() % 7) {
-        case 0: node = odd_value(random); return;
-        case 1: if (other.size() < 50) node = other; return;
+        case 0:
+            node = odd_value(random);
+            return;
+        case 1:
+            if (other.size() < 50) node = other;
+            return;
         case 2:
-            if (node.is_number_integer()) node = node.get<std::int64_t>() + static_cast<std::int64_t>(random() % 5) - 2;
-            else if (node.is_number()) node = node.get<double>() * (static_cast<double>(random() % 9) - 4);
+            if (node.is_number_integer())
+                node = node.get<std::int64_t>() + static_cast<std::int64_t>(random() % 5) - 2;
+            else if (node.is_number())
+                node = node.get<double>() * (static_cast<double>(random() % 9) - 4);
             return;
         case 3:
             if (node.is_array() && !node.empty()) node.push_back(node[random() % node.size()]);
             return;
         case 4:
-            if (node.is_array() && !node.empty()) node.erase(random() % node.size());
-            else if (node.is_object() && !node.empty()) node.erase(std::next(node.begin(), static_cast<std::ptrdiff_t>(random() % node.size())));
+            if (node.is_array() && !node.empty())
+                node.erase(random() % node.size());
+            else if (node.is_object() && !node.empty())
+                node.erase(std::next(node.begin(), static_cast<std::ptrdiff_t>(random() % node.size())));
             return;
         case 5:
             if (node.is_object() && !node.empty()) {

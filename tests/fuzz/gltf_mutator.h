@@ -1,5 +1,5 @@
-/// Changes to glTF files that keep their form: a tree of JSON stays one, and a GLB container keeps its lengths right. Bytes that
-/// are changed at random hardly ever get past the parser.
+/// Changes to glTF files that keep their form: a tree of JSON stays one, and a GLB container keeps its lengths right.
+/// Bytes that are changed at random hardly ever get past the parser.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-/// Any blocks as the result of a small stage; the first byte says which one, the second for how many patches or texels. Refused
-/// as a damaged store, or a value that is, written again, the same file.
+/// Any blocks as the result of a small stage; the first byte says which one, the second for how many patches or texels.
+/// Refused as a damaged store, or a value that is, written again, the same file.
 #include <cstddef>
 
 #include "baker/bake/stage_files.h"
@@ -23,13 +23,15 @@ void again(FileKind kind, const std::filesystem::path& path, std::size_t count) 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace luxel;
     if (size < 2) return 0;
-    constexpr FileKind kinds[]{FileKind::closure, FileKind::solution, FileKind::plan, FileKind::accuracy, FileKind::lightmap};
+    constexpr FileKind kinds[]{FileKind::closure, FileKind::solution, FileKind::plan, FileKind::accuracy,
+                               FileKind::lightmap};
     const FileKind kind = kinds[data[0] % std::size(kinds)];
     const test::BlockContents contents = fuzz::contents_from({data + 2, size - 2}, kind, 1);
     const auto path = fuzz::scratch_file(contents);
     if (!fuzz::accepts([&] { again(kind, path, data[1]); })) return 0;
     const test::BlockContents written = test::contents_of(path);
     fuzz::require(written.parts.size() == contents.parts.size());
-    for (std::size_t k = 0; k < written.parts.size(); ++k) fuzz::require(written.parts[k].bytes == contents.parts[k].bytes);
+    for (std::size_t k = 0; k < written.parts.size(); ++k)
+        fuzz::require(written.parts[k].bytes == contents.parts[k].bytes);
     return 0;
 }

@@ -1,4 +1,5 @@
-/// The inside of block files, to be changed and closed again with right checksums: what a reader must refuse by what it says.
+/// The inside of block files, to be changed and closed again with right checksums: what a reader must refuse by what it
+/// says.
 #pragma once
 #include <functional>
 #include <vector>
@@ -23,7 +24,8 @@ inline BlockContents contents_of(const std::filesystem::path& path) {
     const BlockFileIdentity identity = identify_block_file(path);
     BlockContents contents{identity.kind, identity.version, identity.key, {}};
     const BlockFileReader file(path, identity.kind, identity.version);
-    for (std::size_t k = 0; k < file.blocks().size(); ++k) contents.parts.push_back({file.blocks()[k].tag, file.read(k)});
+    for (std::size_t k = 0; k < file.blocks().size(); ++k)
+        contents.parts.push_back({file.blocks()[k].tag, file.read(k)});
     return contents;
 }
 
@@ -70,8 +72,10 @@ inline void reseal(Bytes& file) {
     const std::uint64_t index = get(end);
     if (index >= header && index <= end) {
         for (std::size_t at = index; at + entry <= end; at += entry) {
-            const std::uint64_t tag = get(at), offset = get(at + 8), stored = get(at + 16), raw = get(at + 24), codec = get(at + 32);
-            if (offset < header || offset > index || stored > index - offset || index - offset - stored < trailer) continue;
+            const std::uint64_t tag = get(at), offset = get(at + 8), stored = get(at + 16), raw = get(at + 24),
+                                codec = get(at + 32);
+            if (offset < header || offset > index || stored > index - offset || index - offset - stored < trailer)
+                continue;
             ByteWriter identity;
             identity.put(codec), identity.put(tag), identity.put(raw);
             put(offset + stored, codec);

@@ -46,9 +46,9 @@ inline bool file_refused(const std::filesystem::path& path, const std::function<
     return false;
 }
 
-/// What must be true of every kind of file, tried on the valid one at `path`, which is left as it was. `load` reads all of it.
-/// Refused are: every shorter length, a longer one, every flipped bit, and with right checksums another magic, container
-/// version, kind, newer version or reserved field.
+/// What must be true of every kind of file, tried on the valid one at `path`, which is left as it was. `load` reads all
+/// of it. Refused are: every shorter length, a longer one, every flipped bit, and with right checksums another magic,
+/// container version, kind, newer version or reserved field.
 inline void expect_guarded(const std::filesystem::path& path, const std::function<void()>& load) {
     const Bytes whole = read_file(path);
     ASSERT_FALSE(file_refused(path, load));
@@ -73,8 +73,9 @@ inline void expect_guarded(const std::filesystem::path& path, const std::functio
     }
     file.close();
     ASSERT_EQ(read_file(path), whole);
-    const std::pair<std::size_t, const char*> fields[]{
-        {0, "magic"}, {8, "container version"}, {12, "kind"}, {16, "version"}, {20, "reserved"}, {whole.size() - 1, "footer magic"}};
+    const std::pair<std::size_t, const char*> fields[]{{0, "magic"},     {8, "container version"},
+                                                       {12, "kind"},     {16, "version"},
+                                                       {20, "reserved"}, {whole.size() - 1, "footer magic"}};
     for (const auto& [at, field] : fields) {
         bytes = whole;
         ++bytes[at];

@@ -1,5 +1,6 @@
 #include "tests/support/disk_faults.h"
 
+#include <limits.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -7,7 +8,6 @@
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
-#include <limits.h>
 
 namespace luxel::test {
 namespace {

@@ -1,4 +1,5 @@
-/// Faults of the disk, at any call: a program linked with luxel_disk_faults reads, writes, syncs and renames through this.
+/// Faults of the disk, at any call: a program linked with luxel_disk_faults reads, writes, syncs and renames through
+/// this.
 #pragma once
 #include <cstdint>
 #include <mutex>
@@ -9,9 +10,9 @@ namespace luxel::test {
 
 enum class DiskCall { read, write, sync, rename };
 
-/// While it lives, calls of one kind on files with `name` in their path are counted, and those from number `first` on fail with
-/// `error` (EIO, ENOSPC, ...): a disk does not recover by itself. Error 0 is none: reads and writes move at most 7 bytes, which
-/// is legal. One at a time. Threads: calls may come from any.
+/// While it lives, calls of one kind on files with `name` in their path are counted, and those from number `first` on
+/// fail with `error` (EIO, ENOSPC, ...): a disk does not recover by itself. Error 0 is none: reads and writes move at
+/// most 7 bytes, which is legal. One at a time. Threads: calls may come from any.
 class DiskFault {
   public:
     DiskFault(DiskCall call, std::string name, std::uint64_t first, int error);

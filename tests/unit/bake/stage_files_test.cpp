@@ -43,7 +43,8 @@ void expect_careful(const std::filesystem::path& path, const std::function<bool(
     const auto loads = [&] { load(key, count); };
     const Bytes whole = read_file(path);
     for (std::size_t block = 0; block < test::contents_of(path).parts.size(); ++block) {
-        test::rewrite(path, [&](auto& file) { file.parts.erase(file.parts.begin() + static_cast<std::ptrdiff_t>(block)); });
+        test::rewrite(path,
+                      [&](auto& file) { file.parts.erase(file.parts.begin() + static_cast<std::ptrdiff_t>(block)); });
         EXPECT_TRUE(test::file_refused(path, loads)) << "without block " << block;
         publish_file(path, whole);
     }
@@ -53,7 +54,8 @@ void expect_careful(const std::filesystem::path& path, const std::function<bool(
 
 /// The file with number `at` of column `block` replaced, all checksums right; then the file as it was.
 template <class T>
-bool refuses(const std::filesystem::path& path, std::size_t block, std::size_t at, T value, const std::function<void()>& load) {
+bool refuses(const std::filesystem::path& path, std::size_t block, std::size_t at, T value,
+             const std::function<void()>& load) {
     const Bytes whole = read_file(path);
     test::rewrite(path, [&](auto& file) { test::set_element<T>(file.parts[block], at, value); });
     const bool refused = test::file_refused(path, load);
@@ -63,9 +65,11 @@ bool refuses(const std::filesystem::path& path, std::size_t block, std::size_t a
 
 /// No number of these columns may be infinite or not a number.
 template <class T>
-void expect_finite(const std::filesystem::path& path, std::initializer_list<std::size_t> columns, const std::function<void()>& load) {
+void expect_finite(const std::filesystem::path& path, std::initializer_list<std::size_t> columns,
+                   const std::function<void()>& load) {
     for (const std::size_t block : columns)
-        for (const T value : {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(), std::numeric_limits<T>::quiet_NaN()})
+        for (const T value : {std::numeric_limits<T>::infinity(), -std::numeric_limits<T>::infinity(),
+                              std::numeric_limits<T>::quiet_NaN()})
             EXPECT_TRUE(refuses<T>(path, block, 0, value, load)) << value << " in column " << block;
 }
 
@@ -95,8 +99,10 @@ TEST(StageFiles, Closure) {
     expect_finite<double>(folder / "c", {0, 1, 2, 3}, load);
     EXPECT_TRUE(refuses(folder / "c", 0, 3, -1e-300, load)) << "a negative mu";
     EXPECT_FALSE(refuses(folder / "c", 1, 3, -1e-300, load)) << "a remainder may be negative";
-    for (const double count : {-1.0, -0.0, 0.5, 4294967296.0}) EXPECT_TRUE(refuses(folder / "c", 3, 0, count, load)) << count << " iterations";
-    for (const double count : {-1.0, 0.5, 1e300}) EXPECT_TRUE(refuses(folder / "c", 3, 7, count, load)) << count << " short rows";
+    for (const double count : {-1.0, -0.0, 0.5, 4294967296.0})
+        EXPECT_TRUE(refuses(folder / "c", 3, 0, count, load)) << count << " iterations";
+    for (const double count : {-1.0, 0.5, 1e300})
+        EXPECT_TRUE(refuses(folder / "c", 3, 7, count, load)) << count << " short rows";
     expect_careful(
         folder / "c", [&](const Key& k, std::size_t n) { return load_closure(folder / "c", k, n).has_value(); }, 20);
 }
@@ -136,8 +142,10 @@ TEST(StageFiles, Solution) {
     }
     EXPECT_FALSE(refuses(folder / "s", 2, 0, infinite, load)) << "before there is a bound";
     EXPECT_FALSE(refuses(folder / "s", 3, 1, infinite, load)) << "before there is a bound";
-    for (const double reads : {-1.0, infinite, no_number}) EXPECT_TRUE(refuses(folder / "s", 2, 1, reads, load)) << "reads " << reads;
-    for (const double flag : {-1.0, 0.5, 2.0, no_number}) EXPECT_TRUE(refuses(folder / "s", 2, 2, flag, load)) << "converged " << flag;
+    for (const double reads : {-1.0, infinite, no_number})
+        EXPECT_TRUE(refuses(folder / "s", 2, 1, reads, load)) << "reads " << reads;
+    for (const double flag : {-1.0, 0.5, 2.0, no_number})
+        EXPECT_TRUE(refuses(folder / "s", 2, 2, flag, load)) << "converged " << flag;
     for (const double bytes : {-1.0, 0.5, 1e16, infinite, no_number})
         EXPECT_TRUE(refuses(folder / "s", 3, 2, bytes, load)) << bytes << " bytes";
     EXPECT_TRUE(refuses<std::uint8_t>(folder / "s", 4, 0, 7, load)) << "a name with a bell";

@@ -1,4 +1,5 @@
-/// Patches files: pinned bytes of patches_file.md, round trip, and refusal of damage and of everything that the page names.
+/// Patches files: pinned bytes of patches_file.md, round trip, and refusal of damage and of everything that the page
+/// names.
 #include "formats/bake/patches_file.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,8 @@ const Key key{7, 8};
 PatchesFile example() { return {{0x10}, {0.5}, {0, 1}, {{1, 2}}, {3, 4}, "ray"}; }
 
 PatchesFile five_patches() {
-    return {{9, 3, ~std::uint64_t{0}, 0, 4}, {1, 2, 0.25, 1e-9, 1e12}, {0, 2, 2, 5}, {{1, 2}, {3, 4}}, {5, 6}, "hemicube"};
+    return {
+        {9, 3, ~std::uint64_t{0}, 0, 4}, {1, 2, 0.25, 1e-9, 1e12}, {0, 2, 2, 5}, {{1, 2}, {3, 4}}, {5, 6}, "hemicube"};
 }
 
 class PatchesFileTest : public testing::Test {
@@ -42,8 +44,11 @@ class PatchesFileTest : public testing::Test {
 TEST_F(PatchesFileTest, ExampleOfTheDocument) {
     save_patches(path_, key, example());
     EXPECT_EQ(load_patches(path_, key), example());
-    const std::vector<Bytes> expected{{0x10, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0, 0xe0, 0x3f}, {0, 0, 0, 0, 1, 0, 0, 0},
-                                      {1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0}, {3, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0},
+    const std::vector<Bytes> expected{{0x10, 0, 0, 0, 0, 0, 0, 0},
+                                      {0, 0, 0, 0, 0, 0, 0xe0, 0x3f},
+                                      {0, 0, 0, 0, 1, 0, 0, 0},
+                                      {1, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0},
+                                      {3, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0},
                                       {0x72, 0x61, 0x79}};
     const auto parts = test::contents_of(path_).parts;
     ASSERT_EQ(parts.size(), expected.size());
@@ -99,7 +104,8 @@ TEST_F(PatchesFileTest, RefusesOtherShapes) {
     EXPECT_TRUE(refuses_changed([](auto& file) { file.parts.push_back({6, {}}); })) << "a block too many";
     EXPECT_TRUE(refuses_changed([](auto& file) { std::swap(file.parts[3], file.parts[4]); })) << "blocks out of order";
     for (const std::size_t block : {0u, 1u, 2u, 3u, 4u})
-        EXPECT_TRUE(refuses_changed([&](auto& file) { file.parts[block].bytes.pop_back(); })) << "a cut number in block " << block;
+        EXPECT_TRUE(refuses_changed([&](auto& file) { file.parts[block].bytes.pop_back(); }))
+            << "a cut number in block " << block;
     EXPECT_TRUE(refuses_changed([](auto& file) { file.parts[3].bytes.resize(24); })) << "half a key of evidence";
     EXPECT_TRUE(refuses_changed([](auto& file) { file.parts[4].bytes.resize(8); })) << "half a key of the closure";
     EXPECT_TRUE(refuses_changed([](auto& file) { file.parts[4].bytes.resize(32); })) << "two keys of the closure";

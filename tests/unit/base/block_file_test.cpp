@@ -71,7 +71,8 @@ TEST(BlockFile, RejectsEveryTruncationAndFlippedBit) {
     test::expect_guarded(folder / "a", [&] { read_all(folder / "a"); });
 }
 
-/// Changes a 64-bit field of the index or footer, counted from the end of the file, and makes all checksums right again.
+/// Changes a 64-bit field of the index or footer, counted from the end of the file, and makes all checksums right
+/// again.
 void set_field(const std::filesystem::path& path, std::size_t from_end, std::uint64_t value) {
     Bytes bytes = read_file(path);
     std::memcpy(bytes.data() + bytes.size() - from_end, &value, 8);

@@ -156,7 +156,8 @@ TEST(PairBuckets, AReadErrorIsToldWithItsByte) {
         } catch (const Error& error) {
             EXPECT_EQ(error.code, ErrorCode::damaged_store);
             EXPECT_EQ(error.where, folder.path().string());
-            EXPECT_NE(error.what_text.find("at byte " + std::to_string(first << 20) + ": Input/output error"), std::string::npos)
+            EXPECT_NE(error.what_text.find("at byte " + std::to_string(first << 20) + ": Input/output error"),
+                      std::string::npos)
                 << error.what_text;
             EXPECT_FALSE(error.hint.empty());
         }

@@ -76,7 +76,8 @@ TEST_F(AtlasFile, RefusesWhatDoesNotFit) {
     EXPECT_TRUE(refused([](Atlas& a) { a.corner_uv.pop_back(); }));
     EXPECT_TRUE(refused([](Atlas& a) { a.chart_triangles[1] = a.chart_triangles[0]; })) << "a triangle twice";
     EXPECT_TRUE(refused([](Atlas& a) { a.chart_triangles[0] = 100000; })) << "a triangle beyond the scene";
-    EXPECT_TRUE(refused([](Atlas& a) { std::swap(a.chart_triangles[0], a.chart_triangles[1]); })) << "triangles out of order";
+    EXPECT_TRUE(refused([](Atlas& a) { std::swap(a.chart_triangles[0], a.chart_triangles[1]); }))
+        << "triangles out of order";
     EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].x = 5000; }));
     EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].y = 0xffffffff; })) << "a place that overflows";
     EXPECT_TRUE(refused([](Atlas& a) { a.charts[0].width = 0; }));
