@@ -60,7 +60,7 @@ StripPairs some_pairs(std::uint32_t rows, std::uint32_t columns, bool diagonal, 
         for (std::uint32_t column = diagonal ? row + 1 : 0; column < columns; ++column) {
             if (random() % every) continue;
             block.column.push_back(static_cast<std::uint16_t>(column));
-            block.count.push_back(random() % 4 ? 1 + random() % 20 : 1 + random() % 100000);
+            block.count.push_back(static_cast<std::uint32_t>(1 + random() % (random() % 4 ? 20 : 100000)));
         }
         block.row_begin.push_back(static_cast<std::uint32_t>(block.column.size()));
     }
