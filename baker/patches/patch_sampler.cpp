@@ -6,19 +6,18 @@
 namespace luxel {
 namespace {
 
-/// The last entry that begins at or before `at`; entries without a share are never chosen by a point inside a share.
-template <class Entry>
-const Entry& pick(std::span<const Entry> entries, float at) {
-    const auto after = std::upper_bound(entries.begin(), entries.end(), at,
-                                        [](float value, const Entry& entry) { return value < entry.share_before; });
-    return after == entries.begin() ? entries.front() : *(after - 1);
+/// The last of ascending entries that begins at or before `at`, else the first; entries without a share are never chosen by a
+/// point inside a share. They are few, and counting them all is faster than a search whose choices nobody can guess.
+std::uint32_t pick(std::span<const float> before, float at) {
+    std::uint32_t chosen = 0;
+    for (std::size_t k = 1; k < before.size(); ++k) chosen += before[k] <= at;
+    return chosen;
 }
 
-/// Where in [0, 1) the point lies inside the entry.
-template <class Entry>
-float place_in(const Entry& entry, float at) {
+/// Where in [0, 1) the point lies inside an entry.
+float place_in(float share_before, float share, float at) {
     constexpr float below_one = 0x1.fffffep-1f;
-    return std::clamp((at - entry.share_before) / entry.share, 0.0f, below_one);
+    return std::clamp((at - share_before) / share, 0.0f, below_one);
 }
 
 /// Texels of a page.
@@ -127,16 +126,18 @@ void SurfaceSampler::cut_pieces(const Atlas& atlas, std::span<const Fragment> fr
         for (std::size_t k = begin; k < end; ++k) {
             const double area = sampled_m2(fragments[k]);
             if (area <= 0) continue;
-            const Vec3f normal = scene_.geometric_normal(fragments[k].triangle);
-            pieces_.push_back({FragmentPolygon(scene_, atlas, fragments[k]), fragments[k].triangle,
-                               back_ ? -normal : normal, fragments[k].visible, static_cast<float>(in_row / row_area),
-                               static_cast<float>(area / row_area)});
+            const std::uint32_t triangle = fragments[k].triangle;
+            const Vec3f normal = scene_.geometric_normal(triangle), corner = scene_.corner(triangle, 0);
+            pieces_.push_back({FragmentPolygon(scene_, atlas, fragments[k]), triangle, back_ ? -normal : normal, corner,
+                               scene_.corner(triangle, 1) - corner, scene_.corner(triangle, 2) - corner,
+                               fragments[k].visible, static_cast<float>(area / row_area)});
+            piece_before_.push_back(static_cast<float>(in_row / row_area));
             in_row += area;
         }
         begin = end;
         if (row_area <= 0) continue;
-        rows_.push_back({first, static_cast<std::uint32_t>(pieces_.size()), static_cast<float>(before / total),
-                         static_cast<float>(row_area / total)});
+        rows_.push_back({first, static_cast<std::uint32_t>(pieces_.size()), static_cast<float>(row_area / total)});
+        row_before_.push_back(static_cast<float>(before / total));
         before += row_area;
     }
 }
@@ -145,11 +146,13 @@ SurfacePoint SurfaceSampler::point(float u, float v) const {
     if (is_flat_)
         return {flat_.origin + flat_.side_u * u + flat_.side_v * v, flat_.normal, flat_.triangle,
                 flat_.barycentric + flat_.barycentric_u * u + flat_.barycentric_v * v};
-    const Row& row = pick(std::span<const Row>(rows_), v);
-    const Piece& piece = pick(std::span<const Piece>(pieces_).subspan(row.first, row.end - row.first), u);
-    const Vec2f place = onto_visible(piece.visible, place_in(piece, u), place_in(row, v));
+    const std::uint32_t r = pick(row_before_, v);
+    const Row& row = rows_[r];
+    const std::uint32_t p = row.first + pick(std::span(piece_before_).subspan(row.first, row.end - row.first), u);
+    const Piece& piece = pieces_[p];
+    const Vec2f place = onto_visible(piece.visible, place_in(piece_before_[p], piece.share, u), place_in(row_before_[r], row.share, v));
     const Vec2f barycentric = piece.polygon.point(place.x, place.y);
-    return {surface_position(scene_, piece.triangle, barycentric), piece.normal, piece.triangle, barycentric};
+    return {piece.corner + piece.edge_1 * barycentric.x + piece.edge_2 * barycentric.y, piece.normal, piece.triangle, barycentric};
 }
 
 Vec3f SurfaceSampler::shading_normal(const SurfacePoint& at) const {

@@ -44,12 +44,13 @@ class SurfaceSampler {
         FragmentPolygon polygon;
         std::uint32_t triangle;
         Vec3f normal;
+        Vec3f corner, edge_1, edge_2;  ///< of the triangle: where its barycentrics are
         VisibleCells visible;
-        float share_before, share;  ///< of the row's area
+        float share;  ///< of the row's area
     };
     struct Row {
         std::uint32_t first, end;
-        float share_before, share;  ///< of the whole area
+        float share;  ///< of the whole area
     };
     void cut_pieces(const Atlas& atlas, std::span<const Fragment> fragments);
     bool make_flat(const Atlas& atlas, std::span<const Fragment> fragments);
@@ -59,6 +60,7 @@ class SurfaceSampler {
     Parallelogram flat_;
     std::vector<Piece> pieces_;
     std::vector<Row> rows_;
+    std::vector<float> piece_before_, row_before_;  ///< shares of those before it in its row, or of the rows before it
 };
 
 /// The sampler of a patch, on the side that the patch is.
