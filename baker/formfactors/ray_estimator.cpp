@@ -12,12 +12,13 @@ namespace luxel {
 namespace {
 
 constexpr std::uint32_t batch = SobolSequence::batch;
+static_assert(batch == RayColumns::capacity);
 
 /// A batch of rays on its way: points of the sequence, local directions, rays, hits, texels.
 struct RayBatch {
     std::array<std::array<float, batch>, 4> points;
     std::array<float, batch> x, y, z;
-    std::array<TraceRay, batch> rays;
+    RayColumns rays;
     std::array<TraceHit, batch> hits;
     std::array<SurfaceTexel, batch> texels;
 };
@@ -26,17 +27,25 @@ struct RayBatch {
 void aim_flat(const Scene& scene, const Parallelogram& flat, std::size_t count, RayBatch& b) {
     const Frame frame(flat.normal);
     const Vec3f offset = flat.normal * offset_distance(flat.normal, scene.corner_extent(flat.triangle));
-    for (std::size_t k = 0; k < count; ++k) {
-        const Vec3f at = flat.origin + flat.side_u * b.points[0][k] + flat.side_v * b.points[1][k];
-        b.rays[k] = {at + offset, frame.to_world({b.x[k], b.y[k], b.z[k]}), flat.triangle};
-    }
+    // Component by component, in the order of the vectors' own operations.
+    const auto place = [&](float Vec3f::*c, std::array<float, batch>& out) {
+        for (std::size_t k = 0; k < count; ++k)
+            out[k] = flat.origin.*c + flat.side_u.*c * b.points[0][k] + flat.side_v.*c * b.points[1][k] + offset.*c;
+    };
+    const auto turn = [&](float Vec3f::*c, std::array<float, batch>& out) {
+        for (std::size_t k = 0; k < count; ++k)
+            out[k] = frame.tangent.*c * b.x[k] + frame.bitangent.*c * b.y[k] + frame.normal.*c * b.z[k];
+    };
+    place(&Vec3f::x, b.rays.origin_x), place(&Vec3f::y, b.rays.origin_y), place(&Vec3f::z, b.rays.origin_z);
+    turn(&Vec3f::x, b.rays.direction_x), turn(&Vec3f::y, b.rays.direction_y), turn(&Vec3f::z, b.rays.direction_z);
+    b.rays.from_triangle.fill(flat.triangle);
 }
 
 void aim(const Scene& scene, const SurfaceSampler& sampler, std::size_t count, RayBatch& b) {
     for (std::size_t k = 0; k < count; ++k) {
         const SurfacePoint at = sampler.point(b.points[0][k], b.points[1][k]);
-        b.rays[k] = {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)),
-                     Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]}), at.triangle};
+        b.rays.set(k, {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)),
+                       Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]}), at.triangle});
     }
 }
 
@@ -86,7 +95,7 @@ class RayEstimator final : public Estimator {
         else
             aim(scene_, sampler, count, b);
         const std::span<TraceHit> hits(b.hits.data() + skip, count - skip);
-        tracer_.first_hits({b.rays.data() + skip, count - skip}, hits);
+        tracer_.first_hits(b.rays, skip, hits);
         // Texels are fetched for the whole batch before the first is looked at.
         for (std::size_t k = 0; k < hits.size(); ++k) {
             if (hits[k].triangle == none) continue;

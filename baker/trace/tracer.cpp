@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "baker/trace/coincident.h"
@@ -30,6 +31,26 @@ RTCRayHit make_ray(const TraceRay& ray, float near) {
     query.hit.primID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     return query;
+}
+
+/// Rays [first, first + count) as one packet. Idle lanes repeat the first ray, so that every lane holds defined numbers.
+void fill_packet(const RayColumns& rays, std::size_t first, std::size_t count, int* valid, RTCRayHit8& query) {
+    const auto copy = [&](const std::array<float, RayColumns::capacity>& from, float* to) {
+        if (count == 8)
+            std::memcpy(to, from.data() + first, 8 * sizeof(float));
+        else
+            for (std::size_t k = 0; k < 8; ++k) to[k] = from[first + (k < count ? k : 0)];
+    };
+    copy(rays.origin_x, query.ray.org_x), copy(rays.origin_y, query.ray.org_y), copy(rays.origin_z, query.ray.org_z);
+    copy(rays.direction_x, query.ray.dir_x), copy(rays.direction_y, query.ray.dir_y), copy(rays.direction_z, query.ray.dir_z);
+    for (std::size_t k = 0; k < 8; ++k) valid[k] = k < count ? -1 : 0;
+    for (std::size_t k = 0; k < 8; ++k) query.ray.tnear[k] = 0, query.ray.time[k] = 0;
+    for (std::size_t k = 0; k < 8; ++k) query.ray.tfar[k] = std::numeric_limits<float>::infinity();
+    for (std::size_t k = 0; k < 8; ++k) query.ray.mask[k] = 0xffffffffu, query.ray.id[k] = 0, query.ray.flags[k] = 0;
+    for (std::size_t k = 0; k < 8; ++k) {
+        query.hit.Ng_x[k] = query.hit.Ng_y[k] = query.hit.Ng_z[k] = 0;
+        query.hit.geomID[k] = query.hit.primID[k] = query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+    }
 }
 
 }  // namespace
@@ -122,35 +143,35 @@ TraceHit Tracer::first_hit(const TraceRay& ray) const {
 }
 
 void Tracer::first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits) const {
-    for (std::size_t begin = 0; begin < rays.size(); begin += 8) {
-        const std::size_t count = std::min<std::size_t>(8, rays.size() - begin);
+    RayColumns columns;
+    for (std::size_t begin = 0; begin < rays.size(); begin += RayColumns::capacity) {
+        const std::size_t count = std::min(RayColumns::capacity, rays.size() - begin);
+        for (std::size_t k = 0; k < count; ++k) columns.set(k, rays[begin + k]);
+        first_hits(columns, 0, hits.subspan(begin, count));
+    }
+}
+
+void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits) const {
+    for (std::size_t done = 0; done < hits.size(); done += 8) {
+        const std::size_t first = begin + done, count = std::min<std::size_t>(8, hits.size() - done);
         alignas(32) int valid[8];
         RTCRayHit8 query;
-        for (std::size_t k = 0; k < 8; ++k) {
-            // Idle lanes repeat the first ray, so that every lane holds defined numbers.
-            const TraceRay& ray = rays[begin + (k < count ? k : 0)];
-            valid[k] = k < count ? -1 : 0;
-            query.ray.org_x[k] = ray.origin.x, query.ray.org_y[k] = ray.origin.y, query.ray.org_z[k] = ray.origin.z;
-            query.ray.dir_x[k] = ray.direction.x, query.ray.dir_y[k] = ray.direction.y;
-            query.ray.dir_z[k] = ray.direction.z;
-            query.ray.tnear[k] = 0, query.ray.time[k] = 0;
-            query.ray.tfar[k] = std::numeric_limits<float>::infinity();
-            query.ray.mask[k] = 0xffffffffu, query.ray.id[k] = 0, query.ray.flags[k] = 0;
-            query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-            query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
-            query.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-        }
+        fill_packet(rays, first, count, valid, query);
         embree_intersect8(valid, state_->tree, query);
+        std::array<bool, 8> front;
+        for (std::size_t k = 0; k < 8; ++k)
+            front[k] = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
+                           query.hit.Ng_z[k] * query.ray.dir_z[k] < 0;
         for (std::size_t k = 0; k < count; ++k) {
-            const TraceRay& ray = rays[begin + k];
+            TraceHit& hit = hits[done + k];
             if (query.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
-                hits[begin + k] = {};
-            } else if (query.hit.primID[k] == ray.from_triangle) {
-                hits[begin + k] = first_hit(ray);
+                hit = {};
+            } else if (query.hit.primID[k] == rays.from_triangle[first + k]) {
+                hit = first_hit(rays.at(first + k));
+            } else if (state_->coincident.empty()) {
+                hit = {query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k]};
             } else {
-                const bool front = query.hit.Ng_x[k] * ray.direction.x + query.hit.Ng_y[k] * ray.direction.y +
-                                       query.hit.Ng_z[k] * ray.direction.z < 0;
-                hits[begin + k] = finish(ray, query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front);
+                hit = finish(rays.at(first + k), query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k]);
             }
         }
     }

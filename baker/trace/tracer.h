@@ -3,6 +3,7 @@
 /// Determinism: one instruction set (AVX2), robust intersection, a tree built by one thread. Where triangles coincide
 /// exactly, the hit goes to the one that shows its front to the ray, and among those to the lowest number.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,6 +16,22 @@ struct TraceRay {
     Vec3f origin;     ///< already off its surface (ray_offset.h)
     Vec3f direction;  ///< unit
     std::uint32_t from_triangle = none;  ///< never reported as hit
+};
+
+/// Rays by component: for who makes many at once, and as the intersector wants them.
+struct RayColumns {
+    static constexpr std::size_t capacity = 64;
+    std::array<float, capacity> origin_x, origin_y, origin_z, direction_x, direction_y, direction_z;
+    std::array<std::uint32_t, capacity> from_triangle;
+
+    void set(std::size_t k, const TraceRay& ray) {
+        origin_x[k] = ray.origin.x, origin_y[k] = ray.origin.y, origin_z[k] = ray.origin.z;
+        direction_x[k] = ray.direction.x, direction_y[k] = ray.direction.y, direction_z[k] = ray.direction.z;
+        from_triangle[k] = ray.from_triangle;
+    }
+    [[nodiscard]] TraceRay at(std::size_t k) const {
+        return {{origin_x[k], origin_y[k], origin_z[k]}, {direction_x[k], direction_y[k], direction_z[k]}, from_triangle[k]};
+    }
 };
 
 struct TraceHit {
@@ -35,6 +52,8 @@ class Tracer {
 
     /// hits[i] belongs to rays[i]; equal sizes. Threads: const and reentrant; the caller has flushed denormals.
     void first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits) const;
+    /// The same for rays [begin, begin + hits.size()).
+    void first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits) const;
     [[nodiscard]] TraceHit first_hit(const TraceRay& ray) const;
 
     /// Is anything between the origin and the point origin + distance_m * direction (both ends open)?
