@@ -66,25 +66,38 @@ struct Place {
 /// A target of an evidence block: each is looked for once per block, not once per pair.
 struct Target {
     Place place;
-    std::size_t dealt;  ///< index of its chunk's bucket
+    std::uint32_t bucket;  ///< index of its chunk's bucket in Dealing
 };
 
-std::size_t bucket_of(std::vector<Dealt>& dealt, ChunkNumber a) {
-    std::size_t k = 0;
-    while (k < dealt.size() && dealt[k].a != a) ++k;
-    if (k == dealt.size()) dealt.push_back({a, {}});
-    return k;
-}
+/// Buckets as they occur in a block.
+class Dealing {
+  public:
+    explicit Dealing(std::size_t chunks) : place_(chunks, unknown) {}
+    /// Index of bucket a in `dealt`.
+    std::uint32_t bucket(ChunkNumber a) {
+        if (place_[a] == unknown) {
+            place_[a] = static_cast<std::uint32_t>(dealt.size());
+            dealt.push_back({a, {}});
+        }
+        return place_[a];
+    }
+    std::vector<Dealt> dealt;
+
+  private:
+    static constexpr std::uint32_t unknown = 0xffffffffu;
+    std::vector<std::uint32_t> place_;
+};
 
 NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const IdIndex& ids, const ChunkLayout& layout) {
     const std::string where = file.name() + ": block " + std::to_string(index);
     const EvidenceBlock block = read_evidence_block(file, index);
     NumberedBlock found;
+    Dealing dealing(layout.chunk_count());
     std::vector<Target> targets;
     targets.reserve(block.targets.size());
     for (const PatchId id : block.targets) {
         const Place place(layout, ids.find(id, where));
-        targets.push_back({place, bucket_of(found.dealt, place.chunk)});
+        targets.push_back({place, dealing.bucket(place.chunk)});
     }
     found.tallies.reserve(block.rows.size());
     // Rows of one patch, its replicates, follow one another. Their sums are right below 2^32 rays; more are refused later.
@@ -104,15 +117,16 @@ NumberedBlock read_block(const BlockFileReader& file, std::size_t index, const I
             }
             found.tallies.push_back(tally);
         }
-        const std::size_t own = bucket_of(found.dealt, i.chunk);
+        const std::uint32_t own = dealing.bucket(i.chunk);
         sums.drain([&](std::uint32_t target, std::uint32_t count) {
             const auto& [j, bucket] = targets[target];
             if (i.number < j.number)
-                append_pairs(found.dealt[own].pairs, j.chunk, i.offset, j.offset, count);
+                append_pairs(dealing.dealt[own].pairs, j.chunk, i.offset, j.offset, count);
             else
-                append_pairs(found.dealt[bucket].pairs, i.chunk, j.offset, i.offset, count);
+                append_pairs(dealing.dealt[bucket].pairs, i.chunk, j.offset, i.offset, count);
         });
     }
+    found.dealt = std::move(dealing.dealt);
     return found;
 }
 
