@@ -43,6 +43,22 @@ TEST(Tracer, BatchEqualsSingle) {
     }
 }
 
+TEST(Tracer, AnyPartOfRayColumns) {
+    flush_denormals();
+    RandomPoints random(2);
+    const Scene scene = SceneMaker().add("soup", test::soup(500, random)).build();
+    const Tracer tracer(scene);
+    const auto rays = random_rays(RayColumns::capacity, random, scene.triangle_count());
+    RayColumns columns;
+    for (std::size_t k = 0; k < rays.size(); ++k) columns.set(k, rays[k]);
+    for (std::size_t begin = 0; begin <= rays.size(); begin += 3)
+        for (std::size_t end = begin; end <= rays.size(); ++end) {
+            std::vector<TraceHit> hits(end - begin);
+            tracer.first_hits(columns, begin, hits);
+            for (std::size_t k = begin; k < end; ++k) ASSERT_TRUE(hits[k - begin] == tracer.first_hit(rays[k])) << "ray " << k;
+        }
+}
+
 struct Met {
     double distance = INFINITY;
     std::uint32_t triangle = none;
