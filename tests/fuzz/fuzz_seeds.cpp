@@ -7,6 +7,7 @@
 #include "baker/bake/stage_files.h"
 #include "baker/unwrap/atlas_file.h"
 #include "baker/unwrap/unwrap.h"
+#include "formats/bake/directory_file.h"
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/gap_symbols.h"
 #include "formats/bake/patches_file.h"
@@ -123,6 +124,12 @@ void patches(const Seeds& seeds) {
     seeds.write_file("patches_fuzz", "four");
 }
 
+void directory(const Seeds& seeds) {
+    save_directory(seeds.path(), key,
+                   {{{8, 8}, {0, 0}, {1, 2}, {0, 0}}, {{0, 0, 3, 40}, {0, 1, 1, 27}, {2, 2, 7, 60}}, 67});
+    seeds.write_file("directory_fuzz", "three");
+}
+
 void atlas(const Seeds& seeds) {
     std::vector<Warning> warnings;
     save_atlas(seeds.path(), key, unwrap(two_boxes(), {}, warnings, {}));
@@ -158,6 +165,7 @@ int main(int count, char** arguments) {
     luxel::fuzz::strips(seeds);
     luxel::fuzz::pairs(seeds);
     luxel::fuzz::patches(seeds);
+    luxel::fuzz::directory(seeds);
     luxel::fuzz::atlas(seeds);
     luxel::fuzz::stages(seeds);
     for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);
