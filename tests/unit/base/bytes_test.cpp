@@ -44,7 +44,7 @@ TEST(Bytes, DecompressRefusesOtherSizesAndDamage) {
     Bytes frame = compress(raw, 3);
     EXPECT_EQ(decompress(frame, 500, "x"), raw);
     EXPECT_THROW((void)decompress(frame, 499, "x"), Error);
-    frame.resize(frame.size() - 1);
+    frame.pop_back();
     EXPECT_THROW((void)decompress(frame, 500, "x"), Error);
     EXPECT_THROW((void)decompress({}, 0, "x"), Error);
 }
