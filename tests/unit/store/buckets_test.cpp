@@ -145,7 +145,7 @@ TEST(PairBuckets, AReadErrorIsToldWithItsByte) {
     const test::TemporaryFolder folder;
     PairBuckets buckets(1, 0, folder.path());
     constexpr std::uint32_t count = 300000;  // three runs of the scratch file
-    for (std::uint32_t k = 0; k < count; ++k) buckets.add(0, k >> 16, k & 0xffff, 0, 1);
+    for (std::uint32_t k = 0; k < count; ++k) add(buckets, 0, k >> 16, k & 0xffff, 0, 1);
     buckets.settle();
     const Sums whole = sums_of(buckets, 0);
     for (std::uint64_t first = 0; first < 3; ++first) {
@@ -165,7 +165,7 @@ TEST(PairBuckets, AReadErrorIsToldWithItsByte) {
     EXPECT_EQ(sums_of(buckets, 0), whole) << "the disk has recovered";
     const test::DiskFault pieces(test::DiskCall::read, "pooling-", 0, 0);
     PairBuckets few(1, 0, folder.path());
-    for (std::uint32_t k = 0; k < 100; ++k) few.add(0, k, k, 0, 1 + k);
+    for (std::uint32_t k = 0; k < 100; ++k) add(few, 0, k, k, 0, 1 + k);
     few.settle();
     EXPECT_EQ(sums_of(few, 0).size(), 100u) << "reads that give only a part";
     EXPECT_GT(pieces.calls(), 100u);
