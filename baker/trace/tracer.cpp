@@ -13,6 +13,9 @@ namespace {
 
 // One instruction set on every machine; one building thread, since the tree's order decides ties at shared edges.
 constexpr const char* device_settings = "isa=avx2,threads=1,start_threads=0,set_affinity=0";
+// Embree limits oneTBB in the whole process to the most threads that any of its devices asks for: while the only one asks for a
+// single thread, no loop of ours has a second one. This one asks for all, and does nothing else.
+constexpr const char* threads_settings = "isa=avx2,start_threads=0,set_affinity=0";
 
 [[noreturn]] void fail(RTCDevice device, const char* step) {
     const RTCError code = rtcGetDeviceError(device);
@@ -60,10 +63,11 @@ struct Tracer::State {
     ~State() {
         if (tree) rtcReleaseScene(tree);
         if (device) rtcReleaseDevice(device);
+        if (threads) rtcReleaseDevice(threads);
     }
     const Scene& scene;
     CoincidentTriangles coincident;
-    RTCDevice device = nullptr;
+    RTCDevice device = nullptr, threads = nullptr;
     RTCScene tree = nullptr;
     std::int64_t bytes = 0;
 };
@@ -97,6 +101,8 @@ Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
     }
     rtcCommitScene(s.tree);
     if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) fail(s.device, "cannot build the tree");
+    s.threads = rtcNewDevice(threads_settings);
+    if (!s.threads) fail(nullptr, "cannot start");
 }
 
 Tracer::~Tracer() = default;

@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include "baker/core/parallel.h"
 #include "baker/trace/coincident.h"
+#include "tests/support/scenes.h"
 #include "tests/unit/trace/made_rays.h"
 
 namespace luxel {
@@ -281,6 +286,22 @@ TEST(Tracer, CountsItsBytes) {
     const Tracer tracer(scene);
     EXPECT_GT(tracer.resident_bytes(), scene.positions.size() * sizeof(Vec3f));
     EXPECT_LT(tracer.resident_bytes(), 10'000'000u);
+}
+
+/// Embree may limit the threads of the whole process to those that it builds the tree with: one.
+TEST(Tracer, LeavesTheThreadsToOthers) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
+    const ThreadLimit limit(2);
+    const auto made = test::prepare(test::SceneMaker().add("walls", test::room({0, 0, 0}, {1, 1, 1})).build());
+    std::atomic<int> here = 0, met = 0;
+    parallel_for(2, 1, [&](std::size_t) {
+        ++here;
+        // Each waits for the other: only two threads can meet.
+        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+        while (here < 2 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+        if (here == 2) ++met;
+    });
+    EXPECT_EQ(met, 2);
 }
 
 }  // namespace
