@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <map>
-#include <tuple>
 #include <unordered_map>
-
-#include "baker/core/sobol.h"
 
 namespace luxel {
 namespace {
@@ -20,69 +17,47 @@ double gain_of(double measured, double independent) {
     return independent > 0 ? std::clamp(measured / independent, 0.02, 2.0) : 1.0;
 }
 
-/// Spread of single counts over the replicates of some patches, by size of the count. Over all rounds together: the points of one
-/// round fill what those of the others leave free, so that the sum is more even than its parts.
+/// Spread of single counts over the replicates of a patch, by size of the count.
 class CountSpread {
   public:
-    /// Of each power of two of rays the `most_per_level` patches whose ids come first in a fixed random order.
-    CountSpread(const LightState& light, std::uint32_t replicates) : replicates_(replicates), place_(light.ids.size(), unwatched) {
-        std::map<int, std::vector<std::pair<std::uint64_t, std::size_t>>> by_level;
-        for (std::size_t p = 0; p < light.ids.size(); ++p)
-            if (const double rays = light.mu[p] * light.area_m2[p]; rays >= 1) by_level[std::ilogb(rays)].emplace_back(mix(light.ids[p]), p);
-        for (auto& [level, patches] : by_level) {
-            std::sort(patches.begin(), patches.end());
-            if (patches.size() > most_per_level) patches.resize(most_per_level);
-            for (const auto& [order, p] : patches) place_[p] = static_cast<std::uint32_t>(hits_.size()), hits_.emplace_back();
+    explicit CountSpread(std::uint32_t replicates) : replicates_(replicates) {}
+
+    /// Rows [first, first + replicates) of the block are the replicates of one patch and round.
+    void add(const EvidenceBlock& block, std::size_t first) {
+        hits_.clear();
+        for (std::size_t r = first; r < first + replicates_; ++r)
+            for (std::uint32_t k = block.rows[r].first; k < block.rows[r].first + block.rows[r].count; ++k)
+                hits_.emplace_back(block.target_index[k], block.counts[k]);
+        std::sort(hits_.begin(), hits_.end());
+        for (std::size_t k = 0; k < hits_.size();) {
+            const std::uint32_t target = hits_[k].first;
+            double sum = 0, square = 0;
+            for (; k < hits_.size() && hits_[k].first == target; ++k) {
+                const double n = hits_[k].second;
+                sum += n;
+                square += n * n;
+            }
+            const double r = replicates_;
+            const auto bin = static_cast<std::size_t>(std::ilogb(sum));
+            measured_[bin] += (square - sum * sum / r) * r / (r - 1);
+            independent_[bin] += sum;
         }
     }
 
-    [[nodiscard]] bool watches(std::size_t patch) const { return place_[patch] != unwatched; }
-    void add(std::size_t patch, std::size_t target, std::uint32_t replicate, std::uint32_t count) {
-        hits_[place_[patch]].push_back({static_cast<std::uint32_t>(target), replicate, count});
-    }
-
-    [[nodiscard]] std::array<double, 33> gains() {
-        std::array<double, 33> measured{}, independent{}, gains{};
-        for (auto& hits : hits_) {
-            std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return std::tie(a.target, a.replicate) < std::tie(b.target, b.replicate); });
-            for (std::size_t k = 0; k < hits.size();) k = add_target(hits, k, measured, independent);
-        }
+    [[nodiscard]] std::array<double, 33> gains() const {
+        std::array<double, 33> gains{};
         double last = 1;
         for (std::size_t bin = 0; bin < gains.size(); ++bin) {
-            if (independent[bin] > 0) last = gain_of(measured[bin], independent[bin]);
+            if (independent_[bin] > 0) last = gain_of(measured_[bin], independent_[bin]);
             gains[bin] = last;  // larger counts than were seen: as the largest seen
         }
         return gains;
     }
 
   private:
-    struct Hit {
-        std::uint32_t target, replicate, count;
-    };
-    static constexpr std::uint32_t unwatched = 0xffffffffu;
-    static constexpr std::size_t most_per_level = 64;
-
-    /// Hits on one target, from `first`; returns the first of the next.
-    std::size_t add_target(const std::vector<Hit>& hits, std::size_t first, std::array<double, 33>& measured, std::array<double, 33>& independent) const {
-        double sum = 0, square = 0;
-        std::size_t k = first;
-        while (k < hits.size() && hits[k].target == hits[first].target) {
-            const std::uint32_t replicate = hits[k].replicate;
-            double n = 0;
-            for (; k < hits.size() && hits[k].target == hits[first].target && hits[k].replicate == replicate; ++k) n += hits[k].count;
-            sum += n;
-            square += n * n;
-        }
-        const double r = replicates_;
-        const auto bin = static_cast<std::size_t>(std::ilogb(sum));
-        measured[bin] += (square - sum * sum / r) * r / (r - 1);
-        independent[bin] += sum;
-        return k;
-    }
-
     std::uint32_t replicates_;
-    std::vector<std::uint32_t> place_;  ///< per patch: index into hits_, or unwatched
-    std::vector<std::vector<Hit>> hits_;
+    std::array<double, 33> measured_{}, independent_{};
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> hits_;
 };
 
 /// Patches of one kind: as many rays, light as rough.
@@ -109,35 +84,35 @@ class Tally {
   public:
     Tally(const LightState& light, std::uint32_t replicates)
         : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()),
-          counts_(light, replicates) {
+          counts_(replicates) {
         for (std::size_t p = 0; p < light.ids.size(); ++p) number_.emplace(light.ids[p], p);
     }
 
     void add(const EvidenceBlock& block, const std::string& where) {
-        std::vector<std::size_t> target(block.targets.size());
         std::vector<double> brightness(block.targets.size());
-        for (std::size_t t = 0; t < target.size(); ++t) {
-            target[t] = find(block.targets[t], where);
-            brightness[t] = brightness_of(target[t]);
-        }
+        for (std::size_t t = 0; t < brightness.size(); ++t) brightness[t] = brightness_of(find(block.targets[t], where));
         for (const EvidenceBlock::Row& row : block.rows) {
             const std::size_t patch = find(row.patch_id, where);
             if (row.replicate >= replicates_)
                 throw Error(ErrorCode::damaged_store, where, "replicate " + std::to_string(row.replicate) + " of " + std::to_string(replicates_));
             Gathered& g = gathered_[patch * replicates_ + row.replicate];
-            const bool watched = replicates_ > 1 && counts_.watches(patch);
             g.rays += static_cast<double>(row.open) + static_cast<double>(row.back);
             for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
                 const double n = block.counts[k], b = brightness[block.target_index[k]];
                 g.rays += n;
                 g.light += n * b;
                 square_[patch] += n * b * b;
-                if (watched) counts_.add(patch, target[block.target_index[k]], row.replicate, block.counts[k]);
             }
+        }
+        if (replicates_ < 2) return;
+        for (std::size_t first = 0; first < block.rows.size();) {
+            const bool whole = all_replicates(block, first);
+            if (whole) counts_.add(block, first);
+            first += whole ? replicates_ : 1;
         }
     }
 
-    [[nodiscard]] ReplicateGains gains() { return {row_gains(), counts_.gains()}; }
+    [[nodiscard]] ReplicateGains gains() const { return {row_gains(), counts_.gains()}; }
 
   private:
     [[nodiscard]] std::vector<double> row_gains() const {
@@ -165,6 +140,15 @@ class Tally {
         return gains;
     }
 
+    [[nodiscard]] bool all_replicates(const EvidenceBlock& block, std::size_t first) const {
+        if (first + replicates_ > block.rows.size()) return false;
+        const EvidenceBlock::Row& head = block.rows[first];
+        for (std::uint32_t r = 0; r < replicates_; ++r) {
+            const EvidenceBlock::Row& row = block.rows[first + r];
+            if (row.patch_id != head.patch_id || row.first_level != head.first_level || row.last_level != head.last_level) return false;
+        }
+        return true;
+    }
     std::size_t find(PatchId id, const std::string& where) const {
         const auto at = number_.find(id);
         if (at == number_.end())

@@ -8,7 +8,7 @@
 /// a doorway. Kinds with few patches take the gain of all with as many rays.
 ///
 /// What others gather from the patch depends on single counts: n_ij has the variance R / (R - 1) sum (n_ij^r - n_ij / R)^2 where
-/// independent rays would have n_ij. That gain is taken per power of two of n_ij from 64 patches of each level, all rounds together: a lamp's thousand rays onto one patch of the
+/// independent rays would have n_ij. That gain is taken per power of two of n_ij: a lamp's thousand rays onto one patch of the
 /// floor come much more evenly than its three rays onto a far one.
 #pragma once
 #include <array>
@@ -29,7 +29,7 @@ struct ReplicateGains {
 };
 
 /// All gains are 1 where they cannot be known (one replicate, no light). Visits the evidence once; memory
-/// 8 * (2 R + 2) bytes per patch and the counts of the 64 patches of each level. `replicates`: R. Throws Error{damaged_store}.
+/// 8 * (2 R + 2) bytes per patch. `replicates`: R. Throws Error{damaged_store}.
 ReplicateGains replicate_gains(const EvidenceSource& evidence, const LightState& light, std::uint32_t replicates);
 
 }  // namespace luxel
