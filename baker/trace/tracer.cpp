@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
+#include <utility>
 
 #include "baker/trace/coincident.h"
 #include "baker/trace/embree_api.h"
@@ -13,15 +15,42 @@ namespace {
 
 // One instruction set on every machine; one building thread, since the tree's order decides ties at shared edges.
 constexpr const char* device_settings = "isa=avx2,threads=1,start_threads=0,set_affinity=0";
-// Embree limits oneTBB in the whole process to the most threads that any of its devices asks for: while the only one asks for a
-// single thread, no loop of ours has a second one. This one asks for all, and does nothing else.
-constexpr const char* threads_settings = "isa=avx2,start_threads=0,set_affinity=0";
+// The same, but for all threads: see BuildOnOneThread.
+constexpr const char* all_threads_settings = "isa=avx2,start_threads=0,set_affinity=0";
 
 [[noreturn]] void fail(RTCDevice device, const char* step) {
     const RTCError code = rtcGetDeviceError(device);
     throw Error(ErrorCode::internal, "Embree", std::string(step) + ": error " + std::to_string(static_cast<int>(code)),
                 code == RTC_ERROR_OUT_OF_MEMORY ? "the scene's triangles do not fit in memory" : "");
 }
+
+/// While it lives, Embree builds on one thread; afterwards the process has all of them again.
+///
+/// Embree limits oneTBB in the whole process to the most threads that any of its devices asks for. Those that hold trees ask for one.
+/// So one device that asks for all, and does nothing else, is there whenever no tree is being built: without it every
+/// loop of the process would run on a single thread, with it a tree's order would depend on the machine.
+class BuildOnOneThread {
+  public:
+    BuildOnOneThread() : lock_(mutex()) {
+        if (all_threads()) rtcReleaseDevice(std::exchange(all_threads(), nullptr));
+    }
+    // A failure costs speed alone.
+    ~BuildOnOneThread() { all_threads() = rtcNewDevice(all_threads_settings); }
+    BuildOnOneThread(const BuildOnOneThread&) = delete;
+    BuildOnOneThread& operator=(const BuildOnOneThread&) = delete;
+
+  private:
+    // What they guard is Embree's own state of the process.
+    static std::mutex& mutex() {
+        static std::mutex one;
+        return one;
+    }
+    static RTCDevice& all_threads() {
+        static RTCDevice device = nullptr;
+        return device;
+    }
+    std::lock_guard<std::mutex> lock_;
+};
 
 RTCRayHit make_ray(const TraceRay& ray, float near) {
     RTCRayHit query{};
@@ -63,17 +92,17 @@ struct Tracer::State {
     ~State() {
         if (tree) rtcReleaseScene(tree);
         if (device) rtcReleaseDevice(device);
-        if (threads) rtcReleaseDevice(threads);
     }
     const Scene& scene;
     CoincidentTriangles coincident;
-    RTCDevice device = nullptr, threads = nullptr;
+    RTCDevice device = nullptr;
     RTCScene tree = nullptr;
     std::int64_t bytes = 0;
 };
 
 Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
     State& s = *state_;
+    const BuildOnOneThread one_thread;
     s.device = rtcNewDevice(device_settings);
     if (!s.device) fail(nullptr, "cannot start");
     rtcSetDeviceMemoryMonitorFunction(
@@ -101,8 +130,6 @@ Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
     }
     rtcCommitScene(s.tree);
     if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) fail(s.device, "cannot build the tree");
-    s.threads = rtcNewDevice(threads_settings);
-    if (!s.threads) fail(nullptr, "cannot start");
 }
 
 Tracer::~Tracer() = default;

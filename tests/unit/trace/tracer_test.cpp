@@ -292,16 +292,24 @@ TEST(Tracer, CountsItsBytes) {
 TEST(Tracer, LeavesTheThreadsToOthers) {
     if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "one processor";
     const ThreadLimit limit(2);
-    const auto made = test::prepare(test::SceneMaker().add("walls", test::room({0, 0, 0}, {1, 1, 1})).build());
-    std::atomic<int> here = 0, met = 0;
-    parallel_for(2, 1, [&](std::size_t) {
-        ++here;
-        // Each waits for the other: only two threads can meet.
-        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-        while (here < 2 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
-        if (here == 2) ++met;
-    });
-    EXPECT_EQ(met, 2);
+    const auto two_threads_meet = [] {
+        std::atomic<int> here = 0, met = 0;
+        parallel_for(2, 1, [&](std::size_t) {
+            ++here;
+            // Each waits for the other: only two threads can meet.
+            const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+            while (here < 2 && std::chrono::steady_clock::now() < until) std::this_thread::yield();
+            if (here == 2) ++met;
+        });
+        return met == 2;
+    };
+    const Scene scene = test::SceneMaker().add("walls", test::room({0, 0, 0}, {1, 1, 1})).build();
+    auto first = std::make_unique<Tracer>(scene);
+    EXPECT_TRUE(two_threads_meet());
+    const Tracer second(scene);
+    EXPECT_TRUE(two_threads_meet());
+    first.reset();
+    EXPECT_TRUE(two_threads_meet());
 }
 
 }  // namespace
