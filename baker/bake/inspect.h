@@ -23,7 +23,7 @@ struct StoredMatrix {
 
     StoredMatrix(const FolderListing& listing, const Key& key);
     [[nodiscard]] bool is_whole() const { return !directory; }
-    [[nodiscard]] const StripTallies& tallies() const { return directory ? directory->tallies : strips->tallies(); }
+    [[nodiscard]] const RayTallies& tallies() const { return directory ? directory->tallies : strips->tallies(); }
 };
 
 /// The directory of a matrix whose blocks are not all kept; null for one that is there whole.

@@ -9,7 +9,7 @@ namespace luxel {
 namespace {
 
 Closure close_matrix(const BakeOptions& options, const BakedMatrix& matrix) {
-    const StripTallies& tallies = matrix.strips->tallies();
+    const RayTallies& tallies = matrix.strips->tallies();
     const std::vector<std::uint64_t> rays(tallies.rays.begin(), tallies.rays.end());
     const std::vector<std::uint64_t> self(tallies.self.begin(), tallies.self.end());
     std::vector<std::uint64_t> open(tallies.open.begin(), tallies.open.end());

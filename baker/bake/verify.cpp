@@ -177,9 +177,9 @@ class Verifier {
     /// Of a matrix that is not whole: the kept blocks and their tallies are those of the directory.
     void check_directory(const StoredMatrix& matrix) {
         const std::string where = directory_of(listing_, matrix.key)->path.string();
-        const StripTallies& tallies = matrix.tallies();
+        const RayTallies& tallies = matrix.tallies();
         if (matrix.strips) {
-            const StripTallies& kept = matrix.strips->tallies();
+            const RayTallies& kept = matrix.strips->tallies();
             if (kept.rays != tallies.rays || kept.self != tallies.self || kept.open != tallies.open || kept.back != tallies.back)
                 add({where, "other tallies than those of the kept blocks"});
             auto at = matrix.directory->blocks.begin();

@@ -34,7 +34,7 @@ struct Tallies {
         open[tally.patch] += tally.open;
         back[tally.patch] += tally.back;
     }
-    [[nodiscard]] StripTallies of_chunk(PatchNumber begin, PatchNumber end) const {
+    [[nodiscard]] RayTallies of_chunk(PatchNumber begin, PatchNumber end) const {
         const auto cut = [&](const std::vector<std::uint32_t>& all) {
             return std::vector<std::uint32_t>(all.begin() + begin, all.begin() + end);
         };

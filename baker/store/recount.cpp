@@ -124,7 +124,7 @@ std::vector<Part::Place> places(const Part& part, const NumberedEvidence& e) {
 
 void compare_tallies(const StripStore& strips, const std::filesystem::path& folder, std::span<const PatchId> ids, const Sums& sums,
                      std::size_t most, std::vector<Finding>& out) {
-    const StripTallies& t = strips.tallies();
+    const RayTallies& t = strips.tallies();
     const auto compare = [&](const char* name, const std::vector<std::uint32_t>& stored, const std::vector<std::uint64_t>& found) {
         for (PatchNumber p = 0; p < ids.size(); ++p)
             if (stored[p] != found[p]) {

@@ -9,25 +9,18 @@ namespace {
 
 constexpr std::size_t max_open_files = 128;
 
-void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
-    all.insert(all.end(), part.begin(), part.end());
-}
-
 }  // namespace
 
 StripStore::StripStore(std::filesystem::path folder, const Key& key, const ChunkLayout& layout)
     : folder_(std::move(folder)), key_(key), layout_(layout) {
     for (ChunkNumber a = 0; a < layout_.chunk_count(); ++a) {
         const BlockFileReader file(strip_path(folder_, a), FileKind::strip, strip_version, &key_);
-        const StripTallies part = read_tallies(file);
+        const RayTallies part = read_tallies(file);
         if (part.rays.size() != layout_.size(a))
             throw Error(ErrorCode::damaged_store, file.name(),
                         "tallies of " + std::to_string(part.rays.size()) + " patches, expected " +
                             std::to_string(layout_.size(a)));
-        append(tallies_.rays, part.rays);
-        append(tallies_.self, part.self);
-        append(tallies_.open, part.open);
-        append(tallies_.back, part.back);
+        tallies_.append(part);
         first_block_.push_back(blocks_.size());
         const auto directory = read_strip_directory(file);
         for (std::size_t k = 0; k < directory.size(); ++k) {
@@ -64,11 +57,7 @@ void StripStore::load(std::size_t index, CountBlock& out) const {
         pairs.column.size() != info.pair_count)
         throw Error(ErrorCode::damaged_store, where, "size does not fit the chunks",
                     "remove the file and run the same command again");
-    out.a = info.a;
-    out.b = info.b;
-    out.row_begin = std::move(pairs.row_begin);
-    out.columns = std::move(pairs.column);
-    out.counts = std::move(pairs.count);
+    set_pairs(info, std::move(pairs), out);
 }
 
 }  // namespace luxel

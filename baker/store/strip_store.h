@@ -22,7 +22,7 @@ class StripStore final : public MatrixStore {
     void load(std::size_t index, CountBlock& out) const override;
 
     [[nodiscard]] std::span<const BlockInfo> blocks() const override { return blocks_; }
-    [[nodiscard]] const StripTallies& tallies() const override { return tallies_; }
+    [[nodiscard]] const RayTallies& tallies() const override { return tallies_; }
     [[nodiscard]] std::uint64_t file_bytes() const override { return file_bytes_; }
 
   private:
@@ -33,7 +33,7 @@ class StripStore final : public MatrixStore {
     ChunkLayout layout_;
     std::vector<BlockInfo> blocks_;
     std::vector<std::size_t> first_block_;  ///< per chunk a: index of its first block in blocks_
-    StripTallies tallies_;
+    RayTallies tallies_;
     std::uint64_t file_bytes_ = 0;
     mutable std::mutex mutex_;
     /// Most recently used first.

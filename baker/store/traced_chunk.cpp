@@ -17,7 +17,7 @@ struct Row {
 };
 
 /// Tallies of one patch go to place `at`.
-Row count_landings(PatchNumber patch, const std::vector<Landings>& all, StripTallies& tallies, std::size_t at) {
+Row count_landings(PatchNumber patch, const std::vector<Landings>& all, RayTallies& tallies, std::size_t at) {
     std::vector<std::uint64_t> met;  // target in the high half, weight in the low one
     for (const Landings& landings : all) {
         add_rays(tallies.rays[at], std::uint64_t{landings.open} + landings.back, where_from);
@@ -151,7 +151,7 @@ std::shared_ptr<const Side> TracedChunk::side(ChunkNumber target) const {
 }
 
 TracedRun trace_run(const Estimator& estimator, const ChunkLayout& layout, const LevelPlan& levels, ChunkNumber chunk,
-                    std::uint32_t run, StripTallies& tallies) {
+                    std::uint32_t run, RayTallies& tallies) {
     const std::uint32_t first_row = run * run_rows;
     std::vector<Row> rows(std::min(run_rows, layout.size(chunk) - first_row));
     std::vector<Landings> landings;
@@ -164,7 +164,7 @@ TracedRun trace_run(const Estimator& estimator, const ChunkLayout& layout, const
     return cut(rows, first_row, layout);
 }
 
-TracedChunk traced_chunk(std::vector<TracedRun> runs, StripTallies tallies) {
+TracedChunk traced_chunk(std::vector<TracedRun> runs, RayTallies tallies) {
     TracedChunk chunk;
     std::map<ChunkNumber, std::shared_ptr<Side>> sides;
     for (TracedRun& run : runs)

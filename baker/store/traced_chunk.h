@@ -12,7 +12,7 @@ namespace luxel {
 /// Rows [first_row, first_row + rows) of a chunk against another chunk, or itself (then without what landed on its own patch).
 struct SideRun {
     std::uint32_t first_row = 0, rows = 0;
-    BlockFileWriter::Packed pairs;  ///< pack_pairs(..., false)
+    BlockFileWriter::Packed pairs;  ///< pack_pairs()
 };
 
 /// All that the rays of one chunk met in another: half of a block. Runs by row; rows between them met nothing.
@@ -27,7 +27,7 @@ struct TracedChunk {
         ChunkNumber chunk = 0;
         std::shared_ptr<const Side> side;  ///< not null, not empty
     };
-    StripTallies tallies;
+    RayTallies tallies;
     std::vector<Target> targets;  ///< ascending
     std::uint64_t bytes = 0;      ///< resident, sides and all
 
@@ -46,10 +46,10 @@ struct TracedRun {
 /// Traces run `run` of chunk `chunk`; its tallies go to their places in `tallies` (sized for the chunk). Throws Error{damaged_store}
 /// when a patch or a pair has 2^32 rays or more. Threads: reentrant for different runs of one `tallies`.
 TracedRun trace_run(const Estimator& estimator, const ChunkLayout& layout, const LevelPlan& levels, ChunkNumber chunk,
-                    std::uint32_t run, StripTallies& tallies);
+                    std::uint32_t run, RayTallies& tallies);
 
 /// All runs of a chunk, in order, put together.
-TracedChunk traced_chunk(std::vector<TracedRun> runs, StripTallies tallies);
+TracedChunk traced_chunk(std::vector<TracedRun> runs, RayTallies tallies);
 
 /// Block (a, b), a <= b, as pooling makes it from the same rays: what a saw of b and b of a; null sides saw nothing. For a == b both
 /// are the same side. `column` is empty where the block does not exist.

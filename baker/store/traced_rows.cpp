@@ -46,7 +46,7 @@ struct TracedRows::Job {
     const TracedRows& rows;
     ChunkNumber chunk;
     const std::size_t count;  ///< of runs; late helpers look at it when these are gone
-    StripTallies tallies;
+    RayTallies tallies;
     std::vector<TracedRun> runs;
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
@@ -112,7 +112,7 @@ std::shared_ptr<const Side> TracedRows::side(ChunkNumber from, ChunkNumber to, P
     }
 }
 
-StripTallies TracedRows::tallies(ChunkNumber c, Place at) {
+RayTallies TracedRows::tallies(ChunkNumber c, Place at) {
     Lock lock(mutex_);
     while (!known_[c]) {
         if (!job_) return trace(c, at, lock)->tallies;

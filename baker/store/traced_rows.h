@@ -35,7 +35,7 @@ class TracedRows {
     /// 2^32 rays or more.
     StripPairs block(Place at);
     /// Of the patches of chunk c, for a reader who is at a block. Throws as block().
-    StripTallies tallies(ChunkNumber c, Place at);
+    RayTallies tallies(ChunkNumber c, Place at);
     /// Blocks that nobody will ask for again, ascending: their sides are not kept.
     void leave_out(std::span<const Place> blocks);
 
@@ -75,7 +75,7 @@ class TracedRows {
     std::list<std::pair<ChunkNumber, std::shared_ptr<const TracedChunk>>> whole_;  ///< most recently used first
     /// What is remembered of a chunk that was traced once.
     struct Known {
-        StripTallies tallies;
+        RayTallies tallies;
         std::vector<ChunkNumber> targets;  ///< the chunks that it meets at all
     };
     std::vector<std::optional<Known>> known_;  ///< per chunk

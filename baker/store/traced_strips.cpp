@@ -11,24 +11,6 @@ namespace {
 
 constexpr std::size_t not_kept = ~std::size_t{0};
 
-void append(std::vector<std::uint32_t>& all, const std::vector<std::uint32_t>& part) {
-    all.insert(all.end(), part.begin(), part.end());
-}
-
-void append(StripTallies& all, const StripTallies& part) {
-    append(all.rays, part.rays);
-    append(all.self, part.self);
-    append(all.open, part.open);
-    append(all.back, part.back);
-}
-
-StripTallies of_chunk(const StripTallies& all, PatchNumber begin, PatchNumber end) {
-    const auto cut = [&](const std::vector<std::uint32_t>& column) {
-        return std::vector<std::uint32_t>(column.begin() + begin, column.begin() + end);
-    };
-    return {cut(all.rays), cut(all.self), cut(all.open), cut(all.back)};
-}
-
 }  // namespace
 
 StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress) {
@@ -43,7 +25,7 @@ StripDirectory find_directory(TracedRows& rows, const ProgressFunction& progress
         });
         std::copy_if(strip.begin(), strip.end(), std::back_inserter(directory.blocks),
                      [](const DirectoryBlock& block) { return block.pair_count > 0; });
-        append(directory.tallies, rows.tallies(a, {a, a}));
+        directory.tallies.append(rows.tallies(a, {a, a}));
         if (progress) progress(a + 1, chunks);
     }
     return directory;
@@ -87,7 +69,7 @@ void keep_blocks(TracedRows& rows, const StripDirectory& directory, const std::v
             parallel_for(packed.size(), 1, [&](std::size_t k) {
                 packed[k] = pack_pairs(rows.block({a, strips[a][k].b}));
             });
-            StripWriter strip(path, hot, of_chunk(directory.tallies, layout.first_patch[a], layout.first_patch[a + 1]));
+            StripWriter strip(path, hot, directory.tallies.part(layout.first_patch[a], layout.first_patch[a + 1]));
             for (std::size_t k = 0; k < packed.size(); ++k) strip.append(strips[a][k].b, strips[a][k].pair_count, packed[k]);
             strip.publish();
         }
@@ -125,11 +107,7 @@ void TracedStrips::load(std::size_t index, CountBlock& out) const {
         throw Error(ErrorCode::damaged_store, "block (" + std::to_string(info.a) + ", " + std::to_string(info.b) + ") traced again",
                     std::to_string(pairs.column.size()) + " pairs, the directory says " + std::to_string(info.pair_count),
                     "the bake folder was made by another program or machine: use a fresh one");
-    out.a = info.a;
-    out.b = info.b;
-    out.row_begin = std::move(pairs.row_begin);
-    out.columns = std::move(pairs.column);
-    out.counts = std::move(pairs.count);
+    set_pairs(info, std::move(pairs), out);
 }
 
 }  // namespace luxel

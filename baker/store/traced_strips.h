@@ -34,12 +34,12 @@ class TracedStrips final : public MatrixStore {
     /// Threads: reentrant. Throws Error{damaged_store} when a traced block is not the one of the directory.
     void load(std::size_t index, CountBlock& out) const override;
     [[nodiscard]] std::span<const BlockInfo> blocks() const override { return blocks_; }
-    [[nodiscard]] const StripTallies& tallies() const override { return tallies_; }
+    [[nodiscard]] const RayTallies& tallies() const override { return tallies_; }
     [[nodiscard]] std::uint64_t file_bytes() const override { return file_bytes_ + (kept_ ? kept_->file_bytes() : 0); }
 
   private:
     TracedRows& rows_;
-    StripTallies tallies_;
+    RayTallies tallies_;
     std::vector<BlockInfo> blocks_;
     std::unique_ptr<StripStore> kept_;
     std::vector<std::size_t> kept_index_;  ///< per block: its number in kept_, or not_kept

@@ -21,10 +21,7 @@ void save_directory(const std::filesystem::path& path, const Key& strips, const 
         pairs.push_back(block.pair_count), bytes.push_back(block.stored_bytes);
     }
     BlockFileWriter file(path, FileKind::directory, directory_version, strips);
-    append_column<std::uint32_t>(file, 0, directory.tallies.rays);
-    append_column<std::uint32_t>(file, 1, directory.tallies.self);
-    append_column<std::uint32_t>(file, 2, directory.tallies.open);
-    append_column<std::uint32_t>(file, 3, directory.tallies.back);
+    append_tallies(file, directory.tallies);
     append_column<std::uint32_t>(file, 4, a);
     append_column<std::uint32_t>(file, 5, b);
     append_column<std::uint64_t>(file, 6, pairs);
@@ -42,11 +39,7 @@ std::optional<StripDirectory> load_directory(const std::filesystem::path& path, 
     for (std::size_t k = 0; k < block_count; ++k)
         if (file.blocks()[k].tag != k) damaged(file, "block " + std::to_string(k) + " has another tag");
     StripDirectory directory;
-    directory.tallies = {read_column<std::uint32_t>(file, 0), read_column<std::uint32_t>(file, 1),
-                         read_column<std::uint32_t>(file, 2), read_column<std::uint32_t>(file, 3)};
-    const StripTallies& t = directory.tallies;
-    if (t.self.size() != t.rays.size() || t.open.size() != t.rays.size() || t.back.size() != t.rays.size())
-        damaged(file, "tally columns differ in length");
+    directory.tallies = load_tallies(file);
     const auto a = read_column<std::uint32_t>(file, 4), b = read_column<std::uint32_t>(file, 5);
     const auto pairs = read_column<std::uint64_t>(file, 6), bytes = read_column<std::uint64_t>(file, 7);
     const auto hot = read_column<std::uint64_t>(file, 8);

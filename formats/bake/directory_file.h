@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "formats/bake/strip_file.h"
+#include "formats/bake/ray_tallies.h"
 
 namespace luxel {
 
@@ -20,7 +20,7 @@ struct DirectoryBlock {
 };
 
 struct StripDirectory {
-    StripTallies tallies;                ///< per patch of all chunks
+    RayTallies tallies;                ///< per patch of all chunks
     std::vector<DirectoryBlock> blocks;  ///< ascending by (a, b)
     std::uint64_t hot_bytes = 0;         ///< budget that the kept blocks were chosen for; 0: none are kept
 };
@@ -29,7 +29,7 @@ struct StripDirectory {
 void save_directory(const std::filesystem::path& path, const Key& strips, const StripDirectory& directory);
 
 /// Empty if the file is absent. Throws Error{damaged_store} for damage, other strips, blocks out of order, columns of different
-/// lengths.
+/// lengths, more rays ended than sent.
 std::optional<StripDirectory> load_directory(const std::filesystem::path& path, const Key& strips);
 
 }  // namespace luxel

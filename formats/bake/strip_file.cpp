@@ -152,17 +152,9 @@ StripPairs unpack_pairs(ByteView bytes, bool diagonal, const std::string& where,
     return decode_counts(decompress(in.get_view(in.remaining(), "index"), raw_bytes, where), diagonal, where);
 }
 
-StripTallies read_tallies(const BlockFileReader& file) {
+RayTallies read_tallies(const BlockFileReader& file) {
     check_fixed_blocks(file);
-    StripTallies tallies{read_column<std::uint32_t>(file, 0), read_column<std::uint32_t>(file, 1),
-                         read_column<std::uint32_t>(file, 2), read_column<std::uint32_t>(file, 3)};
-    const std::size_t count = tallies.rays.size();
-    if (tallies.self.size() != count || tallies.open.size() != count || tallies.back.size() != count)
-        damaged(file, "tally columns differ in length");
-    for (std::size_t k = 0; k < count; ++k)
-        if (std::uint64_t{tallies.self[k]} + tallies.open[k] + tallies.back[k] > tallies.rays[k])
-            damaged(file, "patch " + std::to_string(k) + " of the strip: more rays have ended than were sent");
-    return tallies;
+    return load_tallies(file);
 }
 
 std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file) {
@@ -186,7 +178,7 @@ std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file) {
     return directory;
 }
 
-StripWriter::StripWriter(const std::filesystem::path& path, const Key& key, StripTallies tallies)
+StripWriter::StripWriter(const std::filesystem::path& path, const Key& key, RayTallies tallies)
     : path_(path), key_(key), tallies_(std::move(tallies)) {}
 
 void StripWriter::append(std::uint32_t b, std::uint64_t pair_count, const BlockFileWriter::Packed& block) {
@@ -196,10 +188,7 @@ void StripWriter::append(std::uint32_t b, std::uint64_t pair_count, const BlockF
 
 void StripWriter::publish() {
     BlockFileWriter file(path_, FileKind::strip, strip_version, key_);
-    append_column<std::uint32_t>(file, 0, tallies_.rays);
-    append_column<std::uint32_t>(file, 1, tallies_.self);
-    append_column<std::uint32_t>(file, 2, tallies_.open);
-    append_column<std::uint32_t>(file, 3, tallies_.back);
+    append_tallies(file, tallies_);
     ByteWriter directory;
     directory.put(static_cast<std::uint64_t>(directory_.size()));
     for (const StripBlockInfo& info : directory_) directory.put(info.b), directory.put(info.pair_count);

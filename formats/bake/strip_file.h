@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "formats/base/block_file.h"
+#include "formats/bake/ray_tallies.h"
 
 namespace luxel {
 
@@ -38,35 +38,27 @@ Bytes encode_counts(const StripPairs& block);
 /// Validates everything. `diagonal`: only columns above the row are legal. Throws Error{damaged_store} naming `where`.
 StripPairs decode_counts(ByteView raw, bool diagonal, const std::string& where);
 
-/// What a strip says of its own patches beside the pairs: column k belongs to patch first_patch[a] + k.
-struct StripTallies {
-    std::vector<std::uint32_t> rays;  ///< N_i: rays that the patch has sent
-    std::vector<std::uint32_t> self;  ///< n_ii: of those, landed on the patch itself
-    std::vector<std::uint32_t> open;  ///< left into the open
-    std::vector<std::uint32_t> back;  ///< absorbed by the back of a one-sided surface
-};
-
 struct StripBlockInfo {
     std::uint32_t b = 0;
     std::uint64_t pair_count = 0;
 };
 
 /// Reads the fixed first blocks of a strip: tallies and directory; block k of the directory is block k + 5 of the file.
-StripTallies read_tallies(const BlockFileReader& file);
+RayTallies read_tallies(const BlockFileReader& file);
 std::vector<StripBlockInfo> read_strip_directory(const BlockFileReader& file);
 constexpr std::size_t first_pair_block = 5;
 
 /// Collects the blocks of one strip and publishes the file whole. Blocks must come in ascending order of b.
 class StripWriter {
   public:
-    StripWriter(const std::filesystem::path& path, const Key& key, StripTallies tallies);
+    StripWriter(const std::filesystem::path& path, const Key& key, RayTallies tallies);
     void append(std::uint32_t b, std::uint64_t pair_count, const BlockFileWriter::Packed& block);
     void publish();
 
   private:
     std::filesystem::path path_;
     Key key_;
-    StripTallies tallies_;
+    RayTallies tallies_;
     std::vector<StripBlockInfo> directory_;
     std::vector<BlockFileWriter::Packed> blocks_;
 };

@@ -12,7 +12,7 @@ namespace {
 const ChunkLayout layout{{0, 6, 76}};
 
 struct Strips {
-    StripTallies tallies;
+    RayTallies tallies;
     std::vector<BlockInfo> blocks;
     std::vector<CountBlock> counts;
 };
@@ -44,7 +44,7 @@ void write_again(const Strips& strips, ChunkNumber a, const std::filesystem::pat
     const auto part = [&](const std::vector<std::uint32_t>& all) {
         return std::vector<std::uint32_t>(all.begin() + layout.first_patch[a], all.begin() + layout.first_patch[a + 1]);
     };
-    const StripTallies& t = strips.tallies;
+    const RayTallies& t = strips.tallies;
     StripWriter strip(path, fuzz::key, {part(t.rays), part(t.self), part(t.open), part(t.back)});
     for (const CountBlock& block : strips.counts)
         if (block.a == a)

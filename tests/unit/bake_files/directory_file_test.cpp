@@ -41,6 +41,7 @@ TEST(DirectoryFile, RefusesWhatCannotBe) {
     EXPECT_FALSE(refused([](StripDirectory&) {}));
     EXPECT_TRUE(refused([](StripDirectory& d) { d.tallies.self.pop_back(); }));
     EXPECT_TRUE(refused([](StripDirectory& d) { d.tallies.back.push_back(0); }));
+    EXPECT_TRUE(refused([](StripDirectory& d) { d.tallies.open[0] = d.tallies.rays[0] + 1; })) << "more ended than sent";
     EXPECT_TRUE(refused([](StripDirectory& d) { d.blocks[2] = d.blocks[1]; })) << "a block twice";
     EXPECT_TRUE(refused([](StripDirectory& d) { std::swap(d.blocks[0], d.blocks[1]); })) << "out of order";
     EXPECT_TRUE(refused([](StripDirectory& d) { d.blocks[2].b = 1; })) << "below the diagonal";

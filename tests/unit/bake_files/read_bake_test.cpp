@@ -98,7 +98,7 @@ StripPairs chessboard(std::uint32_t rows, std::uint32_t columns) {
 
 std::string write_strip(const std::filesystem::path& path) {
     std::mt19937_64 random(1);
-    StripTallies tallies;
+    RayTallies tallies;
     std::ostringstream expected;
     expected << "strip version 3 key " << key_text << " blocks 10\n";
     for (std::uint32_t k = 0; k < 70; ++k) {

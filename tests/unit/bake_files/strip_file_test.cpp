@@ -122,8 +122,8 @@ TEST(StripFile, RandomBytesAreRefusedOrLegal) {
 
 const Key key{1, 2};
 
-StripTallies tallies_of(std::uint32_t count) {
-    StripTallies tallies;
+RayTallies tallies_of(std::uint32_t count) {
+    RayTallies tallies;
     for (std::uint32_t k = 0; k < count; ++k) {
         tallies.rays.push_back(100 + k);
         tallies.self.push_back(k);
@@ -145,7 +145,7 @@ TEST(StripFile, WholeFileRoundTrip) {
     writer.publish();
 
     const BlockFileReader file(folder / "strip", FileKind::strip, strip_version, &key);
-    const StripTallies tallies = read_tallies(file);
+    const RayTallies tallies = read_tallies(file);
     EXPECT_EQ(tallies.rays, tallies_of(10).rays);
     EXPECT_EQ(tallies.self, tallies_of(10).self);
     EXPECT_EQ(tallies.open, tallies_of(10).open);
@@ -161,7 +161,7 @@ TEST(StripFile, WholeFileRoundTrip) {
 
 TEST(StripFile, RefusesFilesThatDoNotAddUp) {
     const test::TemporaryFolder folder;
-    const auto damaged = [&](const StripTallies& tallies, std::vector<StripBlockInfo> directory, std::size_t blocks) {
+    const auto damaged = [&](const RayTallies& tallies, std::vector<StripBlockInfo> directory, std::size_t blocks) {
         BlockFileWriter file(folder / "strip", FileKind::strip, strip_version, key);
         append_column<std::uint32_t>(file, 0, tallies.rays);
         append_column<std::uint32_t>(file, 1, tallies.self);
@@ -181,7 +181,7 @@ TEST(StripFile, RefusesFilesThatDoNotAddUp) {
     EXPECT_TRUE(damaged(tallies_of(2), {{1, 1}, {0, 1}}, 2)) << "out of order";
     EXPECT_TRUE(damaged(tallies_of(2), {{0, 1}}, 2)) << "more blocks than the directory says";
     EXPECT_TRUE(damaged(tallies_of(2), {{0, 1}, {1, 1}}, 1)) << "fewer blocks than the directory says";
-    StripTallies uneven = tallies_of(2);
+    RayTallies uneven = tallies_of(2);
     uneven.back.pop_back();
     EXPECT_TRUE(damaged(uneven, {}, 0)) << "tallies of different lengths";
 

@@ -31,10 +31,10 @@ struct MadeEvidence {
         }
         return counts;
     }
-    [[nodiscard]] StripTallies tallies() const {
+    [[nodiscard]] RayTallies tallies() const {
         const auto number = numbers();
         const std::vector<std::uint32_t> zero(ids.size());
-        StripTallies tallies{zero, zero, zero, zero};
+        RayTallies tallies{zero, zero, zero, zero};
         for (const EvidenceRecord& record : records) {
             const PatchNumber i = number.at(record.patch_id);
             tallies.rays[i] += static_cast<std::uint32_t>(record.ray_count());

@@ -22,7 +22,7 @@ std::vector<Bytes> strip_bytes(const std::filesystem::path& folder, const ChunkL
 void expect_pooled(const std::filesystem::path& strips, const MadeEvidence& made) {
     const StripStore store(strips, test::strip_key, made.layout);
     EXPECT_EQ(test::counts_of(store), made.pooled());
-    const StripTallies expected = made.tallies();
+    const RayTallies expected = made.tallies();
     EXPECT_EQ(store.tallies().rays, expected.rays);
     EXPECT_EQ(store.tallies().self, expected.self);
     EXPECT_EQ(store.tallies().open, expected.open);

@@ -24,7 +24,7 @@ Error failure(const Body& body) {
 }
 
 void close(const StripStore& strips) {
-    const StripTallies& t = strips.tallies();
+    const RayTallies& t = strips.tallies();
     const std::vector<double> area(t.rays.size(), 1);
     const std::vector<std::uint64_t> rays(t.rays.begin(), t.rays.end()), self(t.self.begin(), t.self.end()), open(t.open.begin(), t.open.end());
     (void)close_rows(strips, {area, rays, self, open});

@@ -63,7 +63,7 @@ struct Made {
     MadeEstimator estimator;
 };
 
-void expect_equal_tallies(const StripTallies& found, const StripTallies& expected) {
+void expect_equal_tallies(const RayTallies& found, const RayTallies& expected) {
     EXPECT_EQ(found.rays, expected.rays);
     EXPECT_EQ(found.self, expected.self);
     EXPECT_EQ(found.open, expected.open);
