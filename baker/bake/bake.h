@@ -31,8 +31,6 @@ const char* store_name(StoreKind kind);
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
-    StoreKind store = StoreKind::all;
-    std::uint64_t store_bytes = 0;  ///< of StoreKind::hot: bytes for kept blocks; 0: a quarter of what all of them would take
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
     UnwrapOptions unwrap;
@@ -54,6 +52,8 @@ struct BakeOptions {
     std::uint64_t seed = 0;
 
     std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< beside the scene's geometry
+    StoreKind store = StoreKind::all;
+    std::uint64_t store_bytes = 0;  ///< of StoreKind::hot: bytes for kept blocks; 0: a quarter of what all of them would take
     bool verify = false;  ///< check the bake folder at the end; findings are in the report
     unsigned threads = 0;                                 ///< 0: all cores
     std::string software = "luxel";                       ///< name and version for metadata

@@ -101,13 +101,12 @@ void add_visible(const TexelSet& texels, KeyBuilder& key) {
 
 /// A patch that a wall cuts, and the next one, which drafts interpolate with, lie within two sides of a cell.
 float reach_behind_walls_m(const BakeOptions& options, const Atlas& atlas) {
-    return 2 * static_cast<float>(options.patch_texels) / atlas.texels_per_metre;
+    return 2 * patch_side_m(options, atlas);
 }
 
 Tiling number_by_chunk(const BakeOptions& options, const BakedGeometry& g) {
     if (options.chunks == ChunkKind::tiles) return tile_patches(g.patches, {options.chunk_patches});
-    const float patch_side_m = static_cast<float>(options.patch_texels) / g.atlas.texels_per_metre;
-    return find_room_chunks(g.scene, g.atlas, g.patches, *g.tracer, {options.chunk_patches, patch_side_m});
+    return find_room_chunks(g.scene, g.atlas, g.patches, *g.tracer, {options.chunk_patches, patch_side_m(options, g.atlas)});
 }
 
 void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {

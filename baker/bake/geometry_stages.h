@@ -27,6 +27,11 @@ struct BakedGeometry {
     [[nodiscard]] std::uint64_t resident_bytes() const;
 };
 
+/// Side of a patch that is not cut, m: cells are so large, whatever the surface is.
+inline float patch_side_m(const BakeOptions& options, const Atlas& atlas) {
+    return static_cast<float>(options.patch_texels) / atlas.texels_per_metre;
+}
+
 /// Returned behind a pointer because the tracer refers to the scene. Warnings and counts go into the report.
 std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, const BakeFolder& folder, StageClock& clock,
                                                 BakeReport& report);

@@ -31,7 +31,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     clock.stage("light", [&] {
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
         // What is nearer than a patch is wide sees it as more than one brightness.
-        const float near_m = static_cast<float>(options.patch_texels) / g.atlas.texels_per_metre;
+        const float near_m = patch_side_m(options, g.atlas);
         const EmitterSet emitters(g.scene, g.atlas, g.patches);
         std::vector<Rgb> irradiance;  // per patch, only for drafts
         bool reused = true;

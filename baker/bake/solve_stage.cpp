@@ -13,7 +13,7 @@ namespace {
 
 /// Reflectance per patch. Exactly 1 is common (glTF's default colour) and would let light in a crack bounce for ever: that
 /// no way out exists is known only as well as the patch's rays can tell, so it is taken as 1 - 1 / (2 N).
-std::vector<Rgb> reflectances(const PatchSet& patches, const StripTallies& tallies) {
+std::vector<Rgb> reflectances(const PatchSet& patches, const RayTallies& tallies) {
     std::vector<Rgb> values;
     for (std::size_t p = 0; p < patches.count(); ++p) {
         const float most = 1 - 0.5f / static_cast<float>(std::max(tallies.rays[p], 1u));

@@ -139,4 +139,10 @@ float EmitterSet::density(std::span<const float> probability, PatchNumber patch)
     return probability[cluster_of_[member]] * members_[member].share / patches_.patches[patch].area_m2;
 }
 
+float EmitterSet::density_per_sr(std::span<const float> probability, PatchNumber patch, const Scene& scene, const TraceRay& ray,
+                                 const TraceHit& hit) const {
+    const float sends = std::fabs(scene.geometric_normal(hit.triangle).dot(ray.direction));
+    return density(probability, patch) * hit.distance_m * hit.distance_m / std::max(sends, 1e-6f);
+}
+
 }  // namespace luxel

@@ -9,6 +9,7 @@
 
 #include "baker/patches/patch.h"
 #include "baker/patches/patch_sampler.h"
+#include "baker/trace/tracer.h"
 
 namespace luxel {
 
@@ -36,6 +37,10 @@ class EmitterSet {
 
     /// Density of aim() on the surface of a patch, 1/m2; 0 for patches that do not emit.
     [[nodiscard]] float density(std::span<const float> probability, PatchNumber patch) const;
+
+    /// The same per direction in which a ray met the patch, 1/sr.
+    [[nodiscard]] float density_per_sr(std::span<const float> probability, PatchNumber patch, const Scene& scene, const TraceRay& ray,
+                                       const TraceHit& hit) const;
 
   private:
     struct Cluster {

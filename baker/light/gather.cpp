@@ -9,6 +9,7 @@
 #include "baker/core/units.h"
 #include "baker/trace/surface_map.h"
 #include "baker/light/lamps.h"
+#include "baker/light/light_sum.h"
 #include "baker/light/near_light.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/ray_offset.h"
@@ -17,18 +18,6 @@ namespace luxel {
 namespace {
 
 constexpr std::size_t batch_rays = SobolSequence::batch;
-
-/// A sum of three channels in double.
-struct Sum {
-    std::array<double, 3> v{};
-    void add(const Rgb& value, float weight) {
-        for (int c = 0; c < 3; ++c)
-            v[static_cast<std::size_t>(c)] += static_cast<double>(value[c]) * static_cast<double>(weight);
-    }
-    [[nodiscard]] Rgb rgb() const {
-        return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
-    }
-};
 
 /// One batch of rays of a texel. Only the first `count` entries are rays; others were below the surface.
 struct TexelRays {
@@ -87,12 +76,12 @@ class TexelGather {
         NearLight near(in_, options_.near_m, sampler.point(0.5f, 0.5f).position, shares.aimed_rays > 0, own_seed);
         std::vector<NearVertex> vertices;
         const SobolSequence aims(mix(own_seed, 0x61696d));
-        Sum sum;
+        LightSum sum;
         TexelRays batch;
         for (std::uint32_t begin = 0; begin < shares.cosine_rays; begin += batch_rays) {
             cast_cosine(sampler, sequence, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
             for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, near, vertices, sum);
-            if (!vertices.empty()) near.add(vertices, sum.v);
+            if (!vertices.empty()) near.add(vertices, sum);
         }
         for (std::uint32_t begin = 0; begin < shares.aimed_rays; begin += batch_rays) {
             cast_aimed(sampler, sequence, aims, shares, begin,
@@ -150,7 +139,7 @@ class TexelGather {
     }
 
     void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, const NearLight& near,
-                    std::vector<NearVertex>& vertices, Sum& sum) const {
+                    std::vector<NearVertex>& vertices, LightSum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
@@ -162,7 +151,7 @@ class TexelGather {
         if (emission != Rgb(0, 0, 0)) sum.add(emission, weight(batch, k, at.patch, shares));
     }
 
-    void add_aimed(const TexelRays& batch, std::size_t k, const Plan& shares, Sum& sum) const {
+    void add_aimed(const TexelRays& batch, std::size_t k, const Plan& shares, LightSum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
         // Both kinds of rays mean the same by "sees patch j": the first hit is on it.
         if (at.end != RayEnd::patch || at.patch != batch.target[k].patch) return;
@@ -172,13 +161,7 @@ class TexelGather {
     /// Balance heuristic: cosine / pi over the sum of both densities of this direction, times the numbers of rays.
     [[nodiscard]] float weight(const TexelRays& batch, std::size_t k, PatchNumber patch, const Plan& shares) const {
         const float by_cosine = batch.cosine[k] * static_cast<float>(1 / pi);
-        float aimed = 0;
-        if (shares.aimed_rays) {
-            const TraceHit& hit = batch.hits[k];
-            const float sends = std::fabs(in_.scene.geometric_normal(hit.triangle).dot(batch.rays[k].direction));
-            aimed = in_.emitters.density(shares.probability, patch) * hit.distance_m * hit.distance_m /
-                    std::max(sends, 1e-6f);
-        }
+        const float aimed = shares.aimed_rays ? in_.emitters.density_per_sr(shares.probability, patch, in_.scene, batch.rays[k], batch.hits[k]) : 0.0f;
         return by_cosine /
                (static_cast<float>(shares.cosine_rays) * by_cosine + static_cast<float>(shares.aimed_rays) * aimed);
     }

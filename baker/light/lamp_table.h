@@ -1,5 +1,5 @@
-/// One lamp out of many, chosen by what it could give to points around a place: for vertices of paths, where a shadow ray
-/// to each would cost more than it tells.
+/// One lamp out of many, chosen by what it could give to points around a place: for vertices of paths, where a shadow
+/// ray to each would cost more than it tells.
 #pragma once
 #include <span>
 #include <vector>

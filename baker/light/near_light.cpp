@@ -12,16 +12,11 @@
 namespace luxel {
 namespace {
 
-/// Bounces that a path may take without getting away from what is near, and the share of the light that makes another one worth
-/// its rays. What is left then is what the patches say.
+/// Bounces that a path may take without getting away from what is near, and the share of the light that makes another
+/// one worth its rays. What is left then is what the patches say.
 constexpr std::uint32_t most_bounces = 8;
 constexpr float least_share = 0.01f;
 constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d;
-
-void add_light(LightSum& sum, const Rgb& light, const Rgb& throughput) {
-    for (int c = 0; c < 3; ++c)
-        sum[static_cast<std::size_t>(c)] += static_cast<double>(light[c]) * static_cast<double>(throughput[c]);
-}
 
 TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction) {
     return {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), direction, at.triangle};
@@ -47,8 +42,12 @@ NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumb
                              const Rgb& weight, float share) const {
     const Rgb& reflectance = in_.patches.patches[patch].reflectance;
     const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
-    return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}), normal.dot(ray.direction) < 0 ? normal : -normal, hit.triangle,
-            number, share * std::max({reflectance.x, reflectance.y, reflectance.z}), weight * reflectance};
+    return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}),
+            normal.dot(ray.direction) < 0 ? normal : -normal,
+            hit.triangle,
+            number,
+            share * std::max({reflectance.x, reflectance.y, reflectance.z}),
+            weight * reflectance};
 }
 
 void NearLight::make_tables() {
@@ -79,15 +78,15 @@ void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const 
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];
         const LampTable::Choice choice = lamps_->choose(random[k][2]);
-        add_light(sum, light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}) / choice.probability, at.throughput);
+        sum.add(light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}) / choice.probability,
+                at.throughput);
     }
 }
 
 float NearLight::emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, float cosine) const {
-    const float by_cosine = cosine * static_cast<float>(1 / pi);
     if (emitter_probability_.empty()) return 1;
-    const float sends = std::fabs(in_.scene.geometric_normal(hit.triangle).dot(ray.direction));
-    const float aimed = in_.emitters.density(emitter_probability_, patch) * hit.distance_m * hit.distance_m / std::max(sends, 1e-6f);
+    const float by_cosine = cosine * static_cast<float>(1 / pi);
+    const float aimed = in_.emitters.density_per_sr(emitter_probability_, patch, in_.scene, ray, hit);
     return by_cosine / std::max(by_cosine + aimed, 1e-30f);
 }
 
@@ -103,19 +102,21 @@ void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t de
         if (!(distance > 0)) continue;
         const Vec3f direction = to / distance;
         const float cosine = direction.dot(at.normal);
-        if (cosine > 0 && direction.dot(target.point.normal) < 0) aimed.push(leave(in_.scene, at, direction), k, cosine, target.patch);
+        if (cosine > 0 && direction.dot(target.point.normal) < 0)
+            aimed.push(leave(in_.scene, at, direction), k, cosine, target.patch);
     }
     aimed.trace(in_.tracer);
     for (std::size_t k = 0; k < aimed.count; ++k) {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, aimed.hits[k]);
         if (at.end != RayEnd::patch || at.patch != aimed.target[k]) continue;
-        add_light(sum, in_.patches.patches[at.patch].emission * emitter_weight(aimed.rays[k], aimed.hits[k], at.patch, aimed.cosine[k]),
-                  vertices[aimed.vertex[k]].throughput);
+        sum.add(in_.patches.patches[at.patch].emission *
+                    emitter_weight(aimed.rays[k], aimed.hits[k], at.patch, aimed.cosine[k]),
+                vertices[aimed.vertex[k]].throughput);
     }
 }
 
-void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random, std::uint32_t depth,
-                       LightSum& sum) const {
+void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random,
+                       std::uint32_t depth, LightSum& sum) const {
     Rays rays;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const Vec3f local = cosine_direction(random[k][0], random[k][1]);
@@ -129,10 +130,13 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
         if (at.end != RayEnd::patch) continue;
         const Patch& patch = in_.patches.patches[at.patch];
         if (patch.emission != Rgb(0, 0, 0))
-            add_light(sum, patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]), from.throughput);
+            sum.add(patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]),
+                    from.throughput);
         const NearVertex next = vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, from.throughput, from.share);
-        if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share) further.push_back(next);
-        else add_light(sum, in_.radiosity[at.patch] - patch.emission, from.throughput);
+        if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share)
+            further.push_back(next);
+        else
+            sum.add(in_.radiosity[at.patch] - patch.emission, from.throughput);
     }
     vertices = std::move(further);
 }

@@ -1,9 +1,9 @@
-/// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean is
-/// wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that was hit to
-/// lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide and the solution
-/// is good enough again, or too little depends on it. No roulette: in even light every path says the same.
-/// Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT 4(3)
-/// 1999, section 4); multiple importance sampling as in gather.h.
+/// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean
+/// is wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that
+/// was hit to lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide
+/// and the solution is good enough again, or too little depends on it. No roulette: in even light every path says the
+/// same. Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
+/// 4(3) 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
 #include <array>
 #include <optional>
@@ -11,32 +11,30 @@
 #include <vector>
 
 #include "baker/core/sobol.h"
-#include "baker/trace/surface_map.h"
 #include "baker/light/gather.h"
 #include "baker/light/lamp_table.h"
+#include "baker/light/light_sum.h"
+#include "baker/trace/surface_map.h"
 
 namespace luxel {
 
 /// A point that a ray of a texel has met.
 struct NearVertex {
-    Vec3f position;           ///< on the surface
-    Vec3f normal;             ///< unit geometric normal of the side that was met
+    Vec3f position;  ///< on the surface
+    Vec3f normal;    ///< unit geometric normal of the side that was met
     std::uint32_t triangle = none;
-    std::uint32_t ray = 0;    ///< number of the texel's ray: names its random numbers
-    float share = 1;          ///< of the light, that the bounces before this point leave of it
-    Rgb throughput;           ///< what the texel receives per lux here
+    std::uint32_t ray = 0;  ///< number of the texel's ray: names its random numbers
+    float share = 1;        ///< of the light, that the bounces before this point leave of it
+    Rgb throughput;         ///< what the texel receives per lux here
 };
-
-/// Sum of three channels in double.
-using LightSum = std::array<double, 3>;
 
 /// For the rays of one texel. Makes its tables on first use: most texels have nothing close to them.
 class NearLight {
   public:
     static constexpr std::size_t batch = SobolSequence::batch;
 
-    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `aim`: send rays to emitters too; not where they
-    /// fill the view. `seed`: the texel's own.
+    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `aim`: send rays to
+    /// emitters too; not where they fill the view. `seed`: the texel's own.
     NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, bool aim, std::uint64_t seed)
         : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim), seed_(seed) {}
 
@@ -50,7 +48,8 @@ class NearLight {
   private:
     struct Rays;
     void make_tables();
-    void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random, LightSum& sum) const;
+    void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
+                   LightSum& sum) const;
     void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) const;
     void follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random, std::uint32_t depth,
                 LightSum& sum) const;

@@ -1,4 +1,5 @@
-/// Light where patches are too coarse: what is known in closed form stays, and what leaks through coarse patches does not.
+/// Light where patches are too coarse: what is known in closed form stays, and what leaks through coarse patches does
+/// not.
 #include "baker/light/near_light.h"
 
 #include <gtest/gtest.h>
@@ -33,9 +34,11 @@ TEST(NearLight, FurnaceStaysAFurnace) {
     test::MadeMaterial glowing;
     glowing.nits = {1, 2, 4};
     glowing.reflectance = {0.8, 0.5, 0.2};
-    const auto made = test::prepare(SceneMaker().add("walls", test::room({0, 0, 0}, {2, 1, 1.5f}), glowing).build(), {.texels_per_metre = 6});
+    const auto made = test::prepare(SceneMaker().add("walls", test::room({0, 0, 0}, {2, 1, 1.5f}), glowing).build(),
+                                    {.texels_per_metre = 6});
     std::vector<Rgb> radiosity;
-    for (const Patch& patch : made->patches.patches) radiosity.push_back(patch.emission / (Rgb(1, 1, 1) - patch.reflectance));
+    for (const Patch& patch : made->patches.patches)
+        radiosity.push_back(patch.emission / (Rgb(1, 1, 1) - patch.reflectance));
     for (const float near_m : {0.3f, 100.0f})
         for (const bool aim : {true, false}) {
             const auto light = gather_all(*made, radiosity, {.rays = 256, .aim_at_emitters = aim, .near_m = near_m});
@@ -54,8 +57,8 @@ TEST(NearLight, FurnaceStaysAFurnace) {
         }
 }
 
-/// Two sheets a centimetre apart under a bright ceiling; their patches are half a metre wide. What the sheets facing each other
-/// receive deep inside is almost nothing; patches that reach from the open into the gap say otherwise.
+/// Two sheets a centimetre apart under a bright ceiling; their patches are half a metre wide. What the sheets facing
+/// each other receive deep inside is almost nothing; patches that reach from the open into the gap say otherwise.
 TEST(NearLight, DeepInAGapItIsDark) {
     SceneMaker maker;
     maker.add("floor", quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
@@ -75,9 +78,12 @@ TEST(NearLight, DeepInAGapItIsDark) {
         for (const PageTexels& page : made->texels.pages)
             for (const Texel& texel : page.texels) {
                 const Rgb& h = light[k++];
-                if (made->scene.materials[made->scene.objects[made->atlas.charts[texel.chart].object].material].name != "floor") continue;
+                if (made->scene.materials[made->scene.objects[made->atlas.charts[texel.chart].object].material].name !=
+                    "floor")
+                    continue;
                 const Fragment& f = page.fragments[texel.first_fragment];
-                const Vec3f at = surface_position(made->scene, f.triangle, fragment_polygon(made->scene, made->atlas, f).centroid());
+                const Vec3f at =
+                    surface_position(made->scene, f.triangle, fragment_polygon(made->scene, made->atlas, f).centroid());
                 if (static_cast<double>(at.x) + made->scene.origin.x < 3) continue;  // a metre inside
                 sum += static_cast<double>(h.x), ++count;
             }
@@ -103,11 +109,13 @@ TEST(NearLight, LampsLightTheWayOn) {
     SceneMaker maker;
     maker.add("floor", quad({0, 0, 0}, {0, 0, 2}, {2, 0, 0}));
     maker.add("wall", quad({0, 0, 0}, {0, 1, 0}, {0, 0, 2}), black);
-    maker.add_lamp(point_lamp({1000, 1000, 1}, 1e6)).add_lamp(point_lamp({-2000, 1000, 1}, 2e6));  // the second one only behind the wall
+    maker.add_lamp(point_lamp({1000, 1000, 1}, 1e6))
+        .add_lamp(point_lamp({-2000, 1000, 1}, 2e6));  // the second one only behind the wall
     const auto made = test::prepare(maker.build());
     std::vector<Rgb> dark(made->patches.count(), Rgb(0, 0, 0)), radiosity = dark;
     const auto direct = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16);
-    for (PatchNumber p = 0; p < made->patches.count(); ++p) radiosity[p] = direct[p] * made->patches.patches[p].reflectance;
+    for (PatchNumber p = 0; p < made->patches.count(); ++p)
+        radiosity[p] = direct[p] * made->patches.patches[p].reflectance;
     const auto bounced = [&](std::span<const Rgb> of, float near_m) {
         double sum = 0;
         for (const Rgb& h : gather_all(*made, of, {.rays = 256, .near_m = near_m})) sum += static_cast<double>(h.x);
