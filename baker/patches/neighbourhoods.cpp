@@ -12,7 +12,8 @@ std::vector<std::uint32_t> neighbourhoods(const Atlas& atlas, const PatchSet& pa
         const Patch& patch = patches.patches[p];
         const Chart& chart = atlas.charts[patch.chart];
         const Fragment& first = patches.fragments_of(p).front();
-        const std::tuple key(patch.chart, patch.is_back, patch.emission != Rgb(0, 0, 0), (first.x - chart.x) / texels, (first.y - chart.y) / texels);
+        const std::tuple key(patch.chart, patch.is_back, patch.emission != Rgb(0, 0, 0), (first.x - chart.x) / texels,
+                             (first.y - chart.y) / texels);
         of_patch[p] = numbers.emplace(key, static_cast<std::uint32_t>(numbers.size())).first->second;
     }
     return of_patch;

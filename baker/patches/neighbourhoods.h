@@ -9,8 +9,8 @@
 
 namespace luxel {
 
-/// Per patch the number of its neighbourhood, 0, 1, ... without gaps: patches of the same side of one chart whose first texels lie
-/// in the same square of `texels` x `texels` texels, lamps apart from what does not shine.
+/// Per patch the number of its neighbourhood, 0, 1, ... without gaps: patches of the same side of one chart whose first
+/// texels lie in the same square of `texels` x `texels` texels, lamps apart from what does not shine.
 std::vector<std::uint32_t> neighbourhoods(const Atlas& atlas, const PatchSet& patches, std::uint32_t texels);
 
 }  // namespace luxel

@@ -14,8 +14,8 @@ namespace {
 
 /// Height of the way between two texels, in texels.
 constexpr float lift = 1.0f / 64;
-/// Where normals differ by more than this cosine, a straight way might meet the surface itself: over a texel of a surface
-/// bent by an angle t it dips by t / 8, and the arc cosine of this is less than 8 / 64.
+/// Where normals differ by more than this cosine, a straight way might meet the surface itself: over a texel of a
+/// surface bent by an angle t it dips by t / 8, and the arc cosine of this is less than 8 / 64.
 constexpr float flat_cosine = 0.9975f;
 
 /// A point above the visible part of a texel.
@@ -26,7 +26,8 @@ struct Post {
 
 class JointProbe {
   public:
-    JointProbe(const Scene& scene, const Atlas& atlas, const Tracer& tracer) : scene_(scene), atlas_(atlas), tracer_(tracer) {}
+    JointProbe(const Scene& scene, const Atlas& atlas, const Tracer& tracer)
+        : scene_(scene), atlas_(atlas), tracer_(tracer) {}
 
     /// On the fragment with the largest visible part; none where no ray can start.
     [[nodiscard]] std::optional<Post> post(const PageTexels& page, const Texel& texel) const {
@@ -43,7 +44,8 @@ class JointProbe {
             at = polygon.point(middle.x, middle.y);
         }
         const Vec3f normal = scene_.geometric_normal(largest->triangle);
-        const Vec3f origin = offset_origin(surface_position(scene_, largest->triangle, at), normal, scene_.corner_extent(largest->triangle));
+        const Vec3f origin = offset_origin(surface_position(scene_, largest->triangle, at), normal,
+                                           scene_.corner_extent(largest->triangle));
         return Post{origin + normal * (lift / atlas_.texels_per_metre), normal, largest->triangle};
     }
 
@@ -63,9 +65,10 @@ class JointProbe {
 
 /// Number of the texel at (x, y) if it is of `chart`, else none. Texels are in raster order.
 std::uint32_t find_texel(const PageTexels& page, std::uint32_t x, std::uint32_t y, std::uint32_t chart) {
-    const auto at = std::lower_bound(page.texels.begin(), page.texels.end(), std::tuple(y, x), [](const Texel& texel, const auto& place) {
-        return std::tuple<std::uint32_t, std::uint32_t>(texel.y, texel.x) < place;
-    });
+    const auto at = std::lower_bound(page.texels.begin(), page.texels.end(), std::tuple(y, x),
+                                     [](const Texel& texel, const auto& place) {
+                                         return std::tuple<std::uint32_t, std::uint32_t>(texel.y, texel.x) < place;
+                                     });
     if (at == page.texels.end() || at->x != x || at->y != y || at->chart != chart) return none;
     return static_cast<std::uint32_t>(at - page.texels.begin());
 }

@@ -1,4 +1,5 @@
-// Is the error that a bake states the error that it makes? Two rooms, one lit by a lamp and one through the door, many seeds.
+// Is the error that a bake states the error that it makes? Two rooms, one lit by a lamp and one through the door, many
+// seeds.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -80,7 +81,7 @@ class Calibration : public testing::TestWithParam<double> {
     }
 
     /// Prints and checks what `seeds` runs say, room by room.
-    void compare(const BakeOptions& with, const char* name) const {
+    void expect_calibrated(const BakeOptions& with, const char* name) const {
         const Answer true_light = truth();
         const std::vector<bool> lit = lit_room();
         std::array<double, 2> inside{}, count{}, square{}, sum{}, expected{};
@@ -93,7 +94,8 @@ class Calibration : public testing::TestWithParam<double> {
             for (std::size_t p = 0; p < lit.size(); ++p) {
                 if (found.sigma[p] <= 0) continue;
                 // The truth has an error of its own.
-                const double sigma = std::hypot(found.sigma[p], true_light.sigma[p]), difference = found.radiosity[p] - true_light.radiosity[p];
+                const double sigma = std::hypot(found.sigma[p], true_light.sigma[p]),
+                             difference = found.radiosity[p] - true_light.radiosity[p];
                 inside[lit[p]] += std::fabs(difference) < 2 * sigma;
                 sum[lit[p]] += found.radiosity[p], expected[lit[p]] += true_light.radiosity[p];
                 square[lit[p]] += difference * difference / (sigma * sigma);
@@ -102,9 +104,12 @@ class Calibration : public testing::TestWithParam<double> {
         }
         for (const bool room : {false, true}) {
             const double share = inside[room] / count[room], bias = sum[room] / expected[room] - 1;
-            std::printf("%s, albedo %.2f, %s room: within two sigma %.1f %%, error / sigma %.2f rms, bias %+.3f %%, %.0f rays per patch\n", name, GetParam(),
-                        room ? "lit" : "unlit", 100 * share, std::sqrt(square[room] / count[room]), 100 * bias, rays);
-            EXPECT_GE(share, 0.92);  // never smaller than it is
+            std::printf(
+                "%s, albedo %.2f, %s room: within two sigma %.1f %%, error / sigma %.2f rms, bias %+.3f %%, %.0f rays "
+                "per patch\n",
+                name, GetParam(), room ? "lit" : "unlit", 100 * share, std::sqrt(square[room] / count[room]),
+                100 * bias, rays);
+            EXPECT_GE(share, 0.92);                                 // never smaller than it is
             EXPECT_GE(std::sqrt(square[room] / count[room]), 0.6);  // nor much larger
             EXPECT_LT(std::fabs(bias), 0.01);  // of each room by itself: the dim one is 0.6 % too dark at albedo 0.95
         }
@@ -118,7 +123,7 @@ class Calibration : public testing::TestWithParam<double> {
 TEST_P(Calibration, TrueErrorsLieWithinTwoSigma) {
     BakeOptions o = options();
     o.rays = 256;
-    compare(o, "256 rays");
+    expect_calibrated(o, "256 rays");
 }
 
 /// Stopping when the estimate says so must not make the estimate wrong.
@@ -127,7 +132,7 @@ class CalibrationOfStopping : public Calibration {};
 TEST_P(CalibrationOfStopping, StoppingOnTheErrorDoesNotHideIt) {
     BakeOptions o = options();
     o.error = 0.02;
-    compare(o, "--error 0.02");
+    expect_calibrated(o, "--error 0.02");
 }
 
 INSTANTIATE_TEST_SUITE_P(Albedos, Calibration, testing::Values(0.5, 0.7, 0.95));

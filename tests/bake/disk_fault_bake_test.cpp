@@ -84,7 +84,7 @@ class DiskFaultBake : public testing::Test {
         EXPECT_EQ(differences(outputs_, files_below(folder_ / "out")), "");
         EXPECT_EQ(differences(stored_, files_below(folder_ / "work")), "");
     }
-    void sweep(DiskCall call, int error, ErrorCode expected, std::initializer_list<const char*> stages) {
+    void expect_faults_told_and_mended(DiskCall call, int error, ErrorCode expected, std::initializer_list<const char*> stages) {
         const std::set<std::uint64_t> all = places(call);
         for (const std::uint64_t first : all) fail_and_go_on(call, first, error, expected);
         std::printf("%zu places of %llu calls\n", all.size(), static_cast<unsigned long long>(begins_.back()));
@@ -100,17 +100,17 @@ class DiskFaultBake : public testing::Test {
 };
 
 TEST_F(DiskFaultBake, ReadErrors) {
-    sweep(DiskCall::read, EIO, ErrorCode::damaged_store, {"pooling", "closure", "solve"});
+    expect_faults_told_and_mended(DiskCall::read, EIO, ErrorCode::damaged_store, {"pooling", "closure", "solve"});
 }
 
 TEST_F(DiskFaultBake, AFullDisk) {
-    sweep(DiskCall::write, ENOSPC, ErrorCode::cannot_write, {"evidence", "pooling", "closure", "solve", "light"});
+    expect_faults_told_and_mended(DiskCall::write, ENOSPC, ErrorCode::cannot_write, {"evidence", "pooling", "closure", "solve", "light"});
 }
 
-TEST_F(DiskFaultBake, SyncErrors) { sweep(DiskCall::sync, EIO, ErrorCode::cannot_write, {"evidence", "pooling"}); }
+TEST_F(DiskFaultBake, SyncErrors) { expect_faults_told_and_mended(DiskCall::sync, EIO, ErrorCode::cannot_write, {"evidence", "pooling"}); }
 
 TEST_F(DiskFaultBake, RenameErrors) {
-    sweep(DiskCall::rename, EACCES, ErrorCode::cannot_write, {"evidence", "pooling"});
+    expect_faults_told_and_mended(DiskCall::rename, EACCES, ErrorCode::cannot_write, {"evidence", "pooling"});
 }
 
 TEST_F(DiskFaultBake, ShortReadsAndWritesChangeNothing) {

@@ -9,33 +9,15 @@
 namespace luxel::test {
 namespace {
 
-/// One bake of a sample in a folder of its own: outputs in out/, bake folder in work/.
-struct Baked {
-    BakeReport report;
-    FileBytes outputs, stored;
-    std::vector<float> irradiance;
-};
-
-Baked bake_in(const std::filesystem::path& folder, BakeOptions options) {
-    options.output = folder / "out" / "scene.glb";
-    options.work = folder / "work";
-    Baked result;
-    result.report = bake(options);
-    result.outputs = files_below(folder / "out");
-    result.stored = files_below(options.work);
-    result.irradiance = stored_irradiance(options.work);
-    return result;
-}
-
 class Invariance : public testing::TestWithParam<const char*> {};
 
 TEST_P(Invariance, ThreadsDoNotChangeAByte) {
     const TemporaryFolder folder;
     BakeOptions options = small_options(sample(GetParam()), {});
     options.threads = 1;
-    const Baked one = bake_in(folder / "one", options);
+    const FinishedBake one = bake_in(folder / "one", options);
     options.threads = 2;
-    const Baked two = bake_in(folder / "two", options);
+    const FinishedBake two = bake_in(folder / "two", options);
     EXPECT_GE(one.outputs.size(), 3u);  // model, sidecar, pages
     EXPECT_GE(one.stored.size(), 6u);
     EXPECT_EQ(differences(one.outputs, two.outputs), "");
@@ -47,9 +29,9 @@ TEST_P(Invariance, MemoryDoesNotChangeAByte) {
     BakeOptions options = small_options(sample(GetParam()), folder / "probe.glb");
     // The floor counts what the process holds already, which grows with the first pictures: the second answer is final.
     options.memory_bytes = std::uint64_t{4} << 30;
-    const Baked much = bake_in(folder / "much", options);
+    const FinishedBake much = bake_in(folder / "much", options);
     options.memory_bytes = smallest_memory(options) + (std::uint64_t{4} << 20);
-    const Baked little = bake_in(folder / "little", options);
+    const FinishedBake little = bake_in(folder / "little", options);
     EXPECT_LT(little.report.budget_bytes, much.report.budget_bytes);
     EXPECT_EQ(differences(much.outputs, little.outputs), "");
     EXPECT_EQ(differences(much.stored, little.stored), "");
@@ -64,15 +46,16 @@ TEST_P(Invariance, ChunksDoNotChangeTheLight) {
     // decide, so a patch may get half or twice the rays.
     options.importance = false;
     options.chunk_patches = 32;
-    const Baked fine = bake_in(folder / "fine", options);
+    const FinishedBake fine = bake_in(folder / "fine", options);
     options.chunk_patches = 400;
-    const Baked coarse = bake_in(folder / "coarse", options);
+    const FinishedBake coarse = bake_in(folder / "coarse", options);
     EXPECT_GT(fine.report.chunks, coarse.report.chunks);
     EXPECT_EQ(fine.report.pairs, coarse.report.pairs);
     EXPECT_EQ(fine.report.evidence_rays, coarse.report.evidence_rays);
-    ASSERT_EQ(fine.irradiance.size(), coarse.irradiance.size());
-    for (std::size_t k = 0; k < fine.irradiance.size(); ++k)
-        ASSERT_NEAR(fine.irradiance[k], coarse.irradiance[k], 1e-5f * std::fabs(coarse.irradiance[k])) << "value " << k;
+    const std::vector<float> expected = stored_irradiance(folder / "coarse/work"), found = stored_irradiance(folder / "fine/work");
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k)
+        ASSERT_NEAR(found[k], expected[k], 1e-5f * std::fabs(expected[k])) << "value " << k;
 }
 
 INSTANTIATE_TEST_SUITE_P(Samples, Invariance, testing::Values("two_rooms", "cornell_box"));
@@ -82,9 +65,9 @@ TEST(InvarianceDraft, ThreadsDoNotChangeAByte) {
     BakeOptions options = small_options(sample("two_rooms"), {});
     options.gather_rays = 0;
     options.threads = 1;
-    const Baked one = bake_in(folder / "one", options);
+    const FinishedBake one = bake_in(folder / "one", options);
     options.threads = 2;
-    const Baked two = bake_in(folder / "two", options);
+    const FinishedBake two = bake_in(folder / "two", options);
     EXPECT_EQ(differences(one.outputs, two.outputs), "");
     EXPECT_EQ(differences(one.stored, two.stored), "");
 }

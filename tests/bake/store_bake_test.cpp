@@ -7,36 +7,13 @@
 namespace luxel::test {
 namespace {
 
-struct Stored {
-    BakeReport report;
-    FileBytes outputs, folder;
-
-    /// Files of the bake folder whose name begins with `stem`.
-    [[nodiscard]] FileBytes files(const std::string& stem) const {
-        FileBytes found;
-        for (const auto& [name, bytes] : folder)
-            if (name.starts_with(stem)) found[name] = bytes;
-        return found;
-    }
-};
-
-Stored bake_in(const std::filesystem::path& folder, BakeOptions options) {
-    options.output = folder / "out" / "scene.glb";
-    options.work = folder / "work";
-    Stored result;
-    result.report = bake(options);
-    result.outputs = files_below(folder / "out");
-    result.folder = files_below(options.work);
-    return result;
-}
-
 BakeOptions with_store(BakeOptions options, StoreKind store, std::uint64_t bytes = 0) {
     options.store = store;
     options.store_bytes = bytes;
     return options;
 }
 
-void expect_same_result(const Stored& expected, const Stored& found) {
+void expect_same_result(const FinishedBake& expected, const FinishedBake& found) {
     EXPECT_GE(expected.outputs.size(), 3u);  // model, sidecar, pages
     EXPECT_EQ(differences(expected.outputs, found.outputs), "");
     for (const char* stem : {"atlas-", "plan-", "patches-", "closure-", "solution-", "accuracy-", "lightmaps-"})
@@ -48,9 +25,9 @@ void expect_same_result(const Stored& expected, const Stored& found) {
 }
 
 /// What is traced more than once depends on memory alone: enough for all rows, or for none of them.
-void compare_stores(const BakeOptions& options) {
+void expect_stores_agree(const BakeOptions& options) {
     const TemporaryFolder folder;
-    const Stored all = bake_in(folder / "all", options);
+    const FinishedBake all = bake_in(folder / "all", options);
     EXPECT_EQ(all.report.rays_traced, all.report.evidence_rays);
     EXPECT_GT(all.files("evidence-").size(), 1u);
     for (const unsigned threads : {1u, 2u}) {
@@ -58,14 +35,14 @@ void compare_stores(const BakeOptions& options) {
         const auto place = [&](const char* name) { return folder / (name + std::to_string(threads)); };
         BakeOptions other = options;
         other.threads = threads;
-        const Stored none = bake_in(place("none"), with_store(other, StoreKind::no_blocks));
+        const FinishedBake none = bake_in(place("none"), with_store(other, StoreKind::no_blocks));
         expect_same_result(all, none);
         for (const char* stem : {"evidence-", "strips-", "hot-"}) EXPECT_EQ(none.files(stem).size(), 0u) << stem;
         EXPECT_EQ(none.files("directory-").size(), 1u);
         EXPECT_GT(none.report.rays_traced, none.report.evidence_rays);
         EXPECT_LT(none.report.store_bytes, all.report.store_bytes / 4);
 
-        const Stored hot = bake_in(place("hot"), with_store(other, StoreKind::hot));
+        const FinishedBake hot = bake_in(place("hot"), with_store(other, StoreKind::hot));
         expect_same_result(all, hot);
         for (const char* stem : {"evidence-", "strips-"}) EXPECT_EQ(hot.files(stem).size(), 0u) << stem;
         EXPECT_EQ(hot.files("hot-").size(), hot.report.chunks);
@@ -78,15 +55,15 @@ void compare_stores(const BakeOptions& options) {
 TEST(StoreBake, DraftIsTheSameForAllStores) {
     BakeOptions options = small_options(sample("two_rooms"), {});
     options.gather_rays = 0;
-    compare_stores(options);
+    expect_stores_agree(options);
 }
 
-TEST(StoreBake, GatheredIsTheSameForAllStores) { compare_stores(small_options(sample("two_rooms"), {})); }
+TEST(StoreBake, GatheredIsTheSameForAllStores) { expect_stores_agree(small_options(sample("two_rooms"), {})); }
 
 TEST(StoreBake, AWantedErrorIsTheSameForAllStores) {
     BakeOptions options = small_options(sample("two_rooms"), {});
     options.error = 0.2;
-    compare_stores(options);
+    expect_stores_agree(options);
 }
 
 TEST(StoreBake, HemicubeIsTheSameForAllStores) {
@@ -94,7 +71,7 @@ TEST(StoreBake, HemicubeIsTheSameForAllStores) {
     options.estimator = EstimatorKind::hemicube;
     options.hemicube_resolution = 16;
     const TemporaryFolder folder;
-    const Stored all = bake_in(folder / "all", options);
+    const FinishedBake all = bake_in(folder / "all", options);
     expect_same_result(all, bake_in(folder / "none", with_store(options, StoreKind::no_blocks)));
     expect_same_result(all, bake_in(folder / "hot", with_store(options, StoreKind::hot)));
 }
@@ -105,9 +82,9 @@ TEST(StoreBake, LittleMemoryTracesMoreForTheSameResult) {
     BakeOptions options = with_store(small_options(sample("two_rooms"), folder / "probe.glb"), StoreKind::no_blocks);
     options.chunk_patches = 512;
     options.memory_bytes = std::uint64_t{4} << 30;
-    const Stored much = bake_in(folder / "much", options);
+    const FinishedBake much = bake_in(folder / "much", options);
     options.memory_bytes = smallest_memory(options);
-    const Stored little = bake_in(folder / "little", options);
+    const FinishedBake little = bake_in(folder / "little", options);
     EXPECT_EQ(differences(much.outputs, little.outputs), "");
     EXPECT_EQ(differences(much.files("directory-"), little.files("directory-")), "");
     EXPECT_GE(little.report.rays_traced, much.report.rays_traced);
@@ -118,7 +95,7 @@ TEST(StoreBake, ChoicesMayFollowEachOther) {
     const TemporaryFolder folder;
     const BakeOptions options = small_options(sample("two_rooms"), {});
     const auto place = folder / "one";
-    const Stored all = bake_in(place, options);
+    const FinishedBake all = bake_in(place, options);
     std::uint64_t blocks = 0;
     for (const auto& [name, bytes] : all.files("strips-")) blocks += bytes.size();
     const std::vector<BakeOptions> choices{with_store(options, StoreKind::no_blocks),          with_store(options, StoreKind::hot, blocks / 2),
@@ -126,7 +103,7 @@ TEST(StoreBake, ChoicesMayFollowEachOther) {
                                            with_store(options, StoreKind::hot),                options};
     for (std::size_t k = 0; k < choices.size(); ++k) {
         SCOPED_TRACE("choice " + std::to_string(k));
-        const Stored next = bake_in(place, choices[k]);
+        const FinishedBake next = bake_in(place, choices[k]);
         expect_same_result(all, next);
         std::uint64_t kept = 0;
         for (const auto& [name, bytes] : next.files("hot-")) kept += bytes.size();
@@ -143,7 +120,7 @@ TEST(StoreBake, ChoicesMayFollowEachOther) {
         EXPECT_EQ(next.files("directory-").empty(), choices[k].store == StoreKind::all);
     }
     // The last one is what a bake that never was another has.
-    EXPECT_EQ(differences(all.folder, files_below(place / "work")), "");
+    EXPECT_EQ(differences(all.stored, files_below(place / "work")), "");
 }
 
 /// What is in the folder is not traced again: a second bake reads everything, a relight only solves.
@@ -151,8 +128,8 @@ TEST(StoreBake, ASecondBakeTracesNothing) {
     for (const StoreKind store : {StoreKind::all, StoreKind::hot, StoreKind::no_blocks}) {
         const TemporaryFolder folder;
         const BakeOptions options = with_store(small_options(sample("two_rooms"), {}), store);
-        const Stored first = bake_in(folder.path(), options), second = bake_in(folder.path(), options);
-        EXPECT_EQ(differences(first.folder, second.folder), "");
+        const FinishedBake first = bake_in(folder.path(), options), second = bake_in(folder.path(), options);
+        EXPECT_EQ(differences(first.stored, second.stored), "");
         EXPECT_EQ(differences(first.outputs, second.outputs), "");
         EXPECT_EQ(second.report.rays_traced, 0u) << store_name(store);
     }

@@ -81,6 +81,23 @@ std::string differences(const FileBytes& expected, const FileBytes& found) {
     return text;
 }
 
+FileBytes FinishedBake::files(const std::string& stem) const {
+    FileBytes found;
+    for (const auto& [name, bytes] : stored)
+        if (name.starts_with(stem)) found[name] = bytes;
+    return found;
+}
+
+FinishedBake bake_in(const std::filesystem::path& folder, BakeOptions options) {
+    options.output = folder / "out" / "scene.glb";
+    options.work = folder / "work";
+    FinishedBake result;
+    result.report = bake(options);
+    result.outputs = files_below(folder / "out");
+    result.stored = files_below(options.work);
+    return result;
+}
+
 Key key_in_name(const std::string& name) {
     std::smatch digits;
     if (!std::regex_search(name, digits, std::regex("-([0-9a-f]{16})([0-9a-f]{16})")))

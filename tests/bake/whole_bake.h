@@ -33,6 +33,17 @@ FileBytes files_below(const std::filesystem::path& folder);
 /// The names that differ or are missing on one side; empty means equal.
 std::string differences(const FileBytes& expected, const FileBytes& found);
 
+/// What a bake has left.
+struct FinishedBake {
+    BakeReport report;
+    FileBytes outputs, stored;  ///< files of the output's folder, files of the bake folder
+
+    /// Files of the bake folder whose name begins with `stem`.
+    [[nodiscard]] FileBytes files(const std::string& stem) const;
+};
+/// Bakes in a folder of its own: outputs in out/, bake folder in work/.
+FinishedBake bake_in(const std::filesystem::path& folder, BakeOptions options);
+
 /// The key that a file of a bake folder bears in its name.
 Key key_in_name(const std::string& name);
 /// The file of a finished bake folder whose name begins with `stem`, and the solution stored in one.

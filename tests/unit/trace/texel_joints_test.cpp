@@ -21,7 +21,8 @@ std::size_t cut_joints(const test::Prepared& made, const std::string& path) {
     for (const PageTexels& page : made.texels.pages)
         for (const Texel& texel : page.texels) {
             const Object& object = made.scene.objects[made.atlas.charts[texel.chart].object];
-            if (made.scene.materials[object.material].name == path) cut += !texel.joined_right + std::size_t{!texel.joined_down};
+            if (made.scene.materials[object.material].name == path)
+                cut += !texel.joined_right + std::size_t{!texel.joined_down};
         }
     return cut;
 }
@@ -33,7 +34,8 @@ bool any_patch_on_both_sides(const test::Prepared& made, const std::string& path
         if (made.path_of(p) != path) continue;
         for (const Fragment& fragment : made.patches.fragments_of(p)) {
             const Vec2f b = fragment_polygon(made.scene, made.atlas, fragment).centroid();
-            const double x = static_cast<double>(surface_position(made.scene, fragment.triangle, b).x) + made.scene.origin.x;
+            const double x =
+                static_cast<double>(surface_position(made.scene, fragment.triangle, b).x) + made.scene.origin.x;
             if (x < at - margin) left.insert(p);
             if (x > at + margin) right.insert(p);
         }
