@@ -68,8 +68,11 @@ void parallel_ranges(std::size_t count, std::size_t range_size,
         flush_denormals();
         body(range, range * range_size, std::min(count, (range + 1) * range_size));
     };
+    // Not bound to the loop around it: when that fails, the library would leave this one out in silence, and the body that
+    // called it would go on as if it had run.
+    tbb::task_group_context context(tbb::task_group_context::isolated);
     const LoopOrder loop_order;  // after the body and what it refers to: these too are written before the loop
-    tbb::parallel_for(std::size_t{0}, ranges, run_range);
+    tbb::parallel_for(std::size_t{0}, ranges, run_range, context);
 }
 
 void parallel_isolated(std::size_t count, const std::function<void(std::size_t)>& body) {

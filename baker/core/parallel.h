@@ -22,7 +22,8 @@ class ThreadLimit {
     void* state_;
 };
 
-/// Calls body(i) for i in [0, count), possibly in parallel, `grain` consecutive indexes per task. Exceptions propagate.
+/// Calls body(i) for i in [0, count), possibly in parallel, `grain` consecutive indexes per task. Exceptions propagate;
+/// a loop that returns has run every body, also where a loop around it has failed meanwhile.
 /// Denormals are flushed to zero inside the body, whichever thread runs it.
 void parallel_for(std::size_t count, std::size_t grain, const std::function<void(std::size_t)>& body);
 

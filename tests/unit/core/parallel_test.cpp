@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace luxel {
@@ -26,6 +28,26 @@ TEST(Parallel, EveryIndexRunsOnceAndRangesAreFixed) {
 
 TEST(Parallel, ExceptionsReachTheCaller) {
     EXPECT_THROW(parallel_for(100, 1, [](std::size_t i) { if (i == 50) throw std::runtime_error("x"); }), std::runtime_error);
+}
+
+/// The body of a loop that has failed elsewhere still gets its own loops whole: others may wait for what they make.
+TEST(Parallel, ALoopInsideAFailedLoopRunsWhole) {
+    if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "needs two threads at once";
+    const ThreadLimit limit(2);
+    std::atomic<bool> inside{false};
+    std::atomic<int> runs{0};
+    EXPECT_THROW(parallel_for(2, 1,
+                              [&](std::size_t i) {
+                                  if (i == 0) {
+                                      for (int k = 0; k < 1000 && !inside; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                                      throw std::runtime_error("x");
+                                  }
+                                  inside = true;
+                                  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // until the other has failed
+                                  parallel_for(64, 1, [&](std::size_t) { ++runs; });
+                              }),
+                 std::runtime_error);
+    EXPECT_EQ(runs, 64);
 }
 
 }  // namespace
