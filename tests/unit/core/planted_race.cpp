@@ -1,5 +1,5 @@
 // A loop whose bodies write one variable unguarded: the thread sanitizer must report it, through the annotations of
-// baker/core/parallel.cpp and the suppressions in cmake/tsan.supp, or it would report nothing at all. Built for the
+// baker/core/parallel.cpp, or it would report nothing at all. Built for the
 // thread sanitizer only. Needs two cores: with one there is no second thread to race with.
 #include <chrono>
 #include <cstdio>
