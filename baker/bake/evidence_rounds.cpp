@@ -45,6 +45,7 @@ void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& cl
     const auto place = folder_.evidence(key);
     clock.stage("evidence", [&] {
         ProgressCounter progress(planned_rays(plan, *estimator_, 0, layout.patch_count()), clock.progress("rays"));
+        Publisher publisher;
         bool reused = true;
         for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) {
             files_.push_back({BakeFolder::evidence_file(place, chunk), key});
@@ -55,9 +56,10 @@ void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& cl
                 continue;
             }
             reused = false;
-            write_chunk_evidence(*estimator_, layout, ids_, chunk, plan, path, key, &progress);
+            write_chunk_evidence(*estimator_, layout, ids_, chunk, plan, path, key, publisher, &progress);
             report.rays_traced += rays;
         }
+        publisher.finish();
         return reused;
     });
     report.evidence_seconds += clock.last_seconds();

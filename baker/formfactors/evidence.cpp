@@ -94,7 +94,7 @@ EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout
 
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
                           ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
-                          ProgressCounter* progress) {
+                          Publisher& publisher, ProgressCounter* progress) {
     const PatchNumber first = layout.first_patch[chunk], end = layout.first_patch[chunk + 1];
     const std::size_t block_count = evidence_block_count(layout, chunk);
     std::vector<BlockFileWriter::Packed> blocks(block_count);
@@ -112,7 +112,7 @@ void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout,
         record += first_record[block];
         file.append_packed(record, blocks[block]);
     }
-    file.publish();
+    file.publish(publisher);
 }
 
 }  // namespace luxel

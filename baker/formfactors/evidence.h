@@ -17,8 +17,9 @@ EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout
 
 /// Writes the evidence of chunk `chunk`'s own rays to `path`. `ids`: stable id per patch number.
 /// Threads: uses them all; the bytes do not depend on their number. Errors: cannot_write.
+/// The file is there when `publisher` has finished. `progress` may be null.
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
                           ChunkNumber chunk, const LevelPlan& plan, const std::filesystem::path& path, const Key& key,
-                          ProgressCounter* progress);
+                          Publisher& publisher, ProgressCounter* progress);
 
 }  // namespace luxel

@@ -170,7 +170,7 @@ class Pooling {
     }
 
     /// Threads: reentrant for different strips.
-    void write_strip(ChunkNumber a, const std::filesystem::path& path, const Key& key) {
+    void write_strip(ChunkNumber a, const std::filesystem::path& path, const Key& key, Publisher& publisher) {
         StripWriter strip(path, key, tallies_.of_chunk(layout_.first_patch[a], layout_.first_patch[a + 1]));
         // Sorting takes as many passes over the bucket as its size demands, each for a range of b.
         const std::uint64_t room = sort_room();
@@ -190,7 +190,7 @@ class Pooling {
             append_blocks(a, pairs, strip);
             begin = end;
         }
-        strip.publish();
+        strip.publish(publisher);
         buckets_.release(a);
     }
 
@@ -278,16 +278,18 @@ bool pool_evidence(const ChunkLayout& layout, std::span<const PatchId> ids,
         pooling.deal(file.path, file.key);
         if (progress) progress(++done, steps);
     }
+    Publisher publisher;
     for (ChunkNumber first = 0; first < layout.chunk_count();) {
         const ChunkNumber end = pooling.group_end(first);
         parallel_for(end - first, 1, [&](std::size_t k) {
             const auto a = static_cast<ChunkNumber>(first + k);
-            pooling.write_strip(a, strip_path(strip_folder, a), strip_key);
+            pooling.write_strip(a, strip_path(strip_folder, a), strip_key, publisher);
         });
         done += end - first;
         if (progress) progress(done, steps);
         first = end;
     }
+    publisher.finish();
     return true;
 }
 

@@ -9,12 +9,17 @@
 
 namespace luxel {
 
-inline void embree_intersect8(const int* valid, RTCScene scene, RTCRayHit8& rays) {
+/// `coherent`: the rays walk the tree together for as long as they can.
+inline void embree_intersect8(const int* valid, RTCScene scene, RTCRayHit8& rays, bool coherent = false) {
 #if LUXEL_EMBREE_MAJOR >= 4
-    rtcIntersect8(valid, scene, &rays);
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect8(valid, scene, &rays, &arguments);
 #else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcIntersect8(valid, scene, &context, &rays);
 #endif
 }

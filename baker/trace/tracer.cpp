@@ -184,13 +184,13 @@ void Tracer::first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits
     }
 }
 
-void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits) const {
+void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits, RayCoherence coherence) const {
     for (std::size_t done = 0; done < hits.size(); done += 8) {
         const std::size_t first = begin + done, count = std::min<std::size_t>(8, hits.size() - done);
         alignas(32) int valid[8];
         RTCRayHit8 query;
         fill_packet(rays, first, count, valid, query);
-        embree_intersect8(valid, state_->tree, query);
+        embree_intersect8(valid, state_->tree, query, coherence == RayCoherence::together);
         std::array<bool, 8> front;
         for (std::size_t k = 0; k < 8; ++k)
             front[k] = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +

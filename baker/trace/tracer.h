@@ -41,6 +41,12 @@ struct TraceHit {
     bool front = false;  ///< the ray met the front
 };
 
+/// What the order of rays promises. It changes the speed, never a hit.
+enum class RayCoherence {
+    apart,
+    together  ///< eight in a row start and look nearly alike, so they may walk the tree as one
+};
+
 class Tracer {
   public:
     /// Builds the tree. Keeps a reference to the scene, which must outlive the tracer.
@@ -53,7 +59,8 @@ class Tracer {
     /// hits[i] belongs to rays[i]; equal sizes. Threads: const and reentrant; the caller has flushed denormals.
     void first_hits(std::span<const TraceRay> rays, std::span<TraceHit> hits) const;
     /// The same for rays [begin, begin + hits.size()).
-    void first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits) const;
+    void first_hits(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits,
+                    RayCoherence coherence = RayCoherence::apart) const;
     [[nodiscard]] TraceHit first_hit(const TraceRay& ray) const;
 
     /// Is anything between the origin and the point origin + distance_m * direction (both ends open)?

@@ -186,7 +186,7 @@ void StripWriter::append(std::uint32_t b, std::uint64_t pair_count, const BlockF
     blocks_.push_back(block);
 }
 
-void StripWriter::publish() {
+BlockFileWriter StripWriter::whole_file() const {
     BlockFileWriter file(path_, FileKind::strip, strip_version, key_);
     append_tallies(file, tallies_);
     ByteWriter directory;
@@ -195,7 +195,11 @@ void StripWriter::publish() {
     file.append(4, directory.bytes());
     for (std::size_t k = 0; k < blocks_.size(); ++k)
         file.append_packed(first_pair_block + directory_[k].b, blocks_[k]);
-    file.publish();
+    return file;
 }
+
+void StripWriter::publish() { whole_file().publish(); }
+
+void StripWriter::publish(Publisher& publisher) { whole_file().publish(publisher); }
 
 }  // namespace luxel

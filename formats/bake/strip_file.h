@@ -54,8 +54,10 @@ class StripWriter {
     StripWriter(const std::filesystem::path& path, const Key& key, RayTallies tallies);
     void append(std::uint32_t b, std::uint64_t pair_count, const BlockFileWriter::Packed& block);
     void publish();
+    void publish(Publisher& publisher);
 
   private:
+    [[nodiscard]] BlockFileWriter whole_file() const;
     std::filesystem::path path_;
     Key key_;
     RayTallies tallies_;

@@ -107,7 +107,7 @@ void BlockFileWriter::append_packed(std::uint64_t tag, const Packed& block) {
     entries_.push_back(entry);
 }
 
-void BlockFileWriter::publish() {
+void BlockFileWriter::append_index() {
     ByteWriter index;
     for (const BlockEntry& entry : entries_) {
         index.put(entry.tag);
@@ -124,7 +124,16 @@ void BlockFileWriter::publish() {
     footer.put(footer_magic);
     file_.append(index.bytes());
     file_.append(footer.bytes());
+}
+
+void BlockFileWriter::publish() {
+    append_index();
     file_.publish();
+}
+
+void BlockFileWriter::publish(Publisher& publisher) {
+    append_index();
+    publisher.add(std::move(file_));
 }
 
 BlockFileIdentity identify_block_file(const std::filesystem::path& path) {

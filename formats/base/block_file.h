@@ -8,6 +8,7 @@
 #include "formats/base/bytes.h"
 #include "formats/base/file.h"
 #include "formats/base/hash.h"
+#include "formats/base/publisher.h"
 
 namespace luxel {
 
@@ -57,10 +58,13 @@ class BlockFileWriter {
     [[nodiscard]] std::size_t block_count() const { return entries_.size(); }
     /// Writes index and footer; the file appears under its name. Nothing may be appended afterwards.
     void publish();
+    /// The same by the publisher, which knows when it is done.
+    void publish(Publisher& publisher);
     /// Bytes of the file, complete after publish().
     [[nodiscard]] std::uint64_t file_bytes() const { return file_.size(); }
 
   private:
+    void append_index();
     PublishedFile file_;
     std::vector<BlockEntry> entries_;
 };

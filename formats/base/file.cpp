@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace luxel {
 namespace {
@@ -88,7 +89,8 @@ void RandomFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0)
             throw Error(ErrorCode::damaged_store, path_.string(),
-                        "cannot read " + std::to_string(out.size()) + " bytes at byte " + std::to_string(offset) + ": " +
+                        "cannot read " + std::to_string(out.size()) + " bytes at byte " + std::to_string(offset) +
+                            ": " +
                             (got < 0 ? system_text() : "file ends at byte " + std::to_string(size_now(descriptor_))),
                         "remove the file and run the same command again");
         done += static_cast<std::size_t>(got);
@@ -108,6 +110,12 @@ PublishedFile::PublishedFile(std::filesystem::path path) : path_(std::move(path)
         throw Error(ErrorCode::cannot_write, path_.string(), "cannot create: " + system_text(),
                     "check that the folder exists and can be written");
 }
+
+PublishedFile::PublishedFile(PublishedFile&& from) noexcept
+    : path_(std::move(from.path_)),
+      temporary_(std::move(from.temporary_)),
+      descriptor_(std::exchange(from.descriptor_, -1)),
+      size_(from.size_) {}
 
 PublishedFile::~PublishedFile() {
     if (descriptor_ >= 0) {

@@ -37,8 +37,8 @@ class PublishedFile {
   public:
     explicit PublishedFile(std::filesystem::path path);
     ~PublishedFile();
-    PublishedFile(const PublishedFile&) = delete;
-    PublishedFile& operator=(const PublishedFile&) = delete;
+    PublishedFile(PublishedFile&& from) noexcept;
+    PublishedFile& operator=(PublishedFile&&) = delete;
     void append(ByteView bytes);
     [[nodiscard]] std::uint64_t size() const { return size_; }
     void publish();

@@ -112,7 +112,9 @@ TEST(Hemicube, FilesSayTheSameAsRecords) {
     const auto estimator = hemicube_of(*made, {0, 20});
     const auto ids = made->ids();
     const LevelPlan plan{std::vector<LevelRange>(ids.size(), all_levels)};
-    write_chunk_evidence(*estimator, made->layout, ids, 0, plan, folder / "chunk", {1, 2}, nullptr);
+    Publisher publisher;
+    write_chunk_evidence(*estimator, made->layout, ids, 0, plan, folder / "chunk", {1, 2}, publisher, nullptr);
+    publisher.finish();
     const BlockFileReader file(folder / "chunk", FileKind::evidence, evidence_version);
     PatchNumber patch = 0;
     for (std::size_t k = 0; k < file.blocks().size(); ++k) {

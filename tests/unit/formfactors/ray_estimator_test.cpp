@@ -112,7 +112,9 @@ std::vector<Bytes> files_of(const Prepared& made, const LevelPlan& plan, const s
     const auto ids = made.ids();
     std::vector<Bytes> files;
     for (ChunkNumber c = 0; c < made.layout.chunk_count(); ++c) {
-        write_chunk_evidence(*estimator, made.layout, ids, c, plan, folder / "evidence", {1, 2}, nullptr);
+        Publisher publisher;
+        write_chunk_evidence(*estimator, made.layout, ids, c, plan, folder / "evidence", {1, 2}, publisher, nullptr);
+        publisher.finish();
         files.push_back(read_file(folder / "evidence"));
     }
     return files;
@@ -143,7 +145,9 @@ TEST(Evidence, FilesSayTheSameAsRecords) {
     for (ChunkNumber c = 0; c < made->layout.chunk_count(); ++c) {
         ProgressCounter progress(1, [&](std::uint64_t done, std::uint64_t) { reported = done; });
         const auto path = folder / ("chunk" + std::to_string(c));
-        write_chunk_evidence(*estimator, made->layout, ids, c, plan, path, {1, 2}, &progress);
+        Publisher publisher;
+        write_chunk_evidence(*estimator, made->layout, ids, c, plan, path, {1, 2}, publisher, &progress);
+        publisher.finish();
         EXPECT_EQ(reported, planned_rays(plan, 4, made->layout.first_patch[c], made->layout.first_patch[c + 1]));
         const BlockFileReader file(path, FileKind::evidence, evidence_version);
         std::vector<EvidenceRecord> expected;

@@ -88,10 +88,12 @@ FluxCheck check(const test::Prepared& made, const Estimator& estimator, std::uin
         rays.push_back(estimator.replicate_count() << plan.levels[p].last);
     }
     std::vector<EvidenceFile> files;
+    Publisher publisher;
     for (ChunkNumber chunk = 0; chunk < made.layout.chunk_count(); ++chunk) {
         files.push_back({folder / std::to_string(chunk), Key{1, 2}});
-        write_chunk_evidence(estimator, made.layout, ids, chunk, plan, files.back().path, files.back().key, nullptr);
+        write_chunk_evidence(estimator, made.layout, ids, chunk, plan, files.back().path, files.back().key, publisher, nullptr);
     }
+    publisher.finish();
     const auto area_m2 = made.area_m2();
     return check_flux({ids, area_m2, rays}, files, options);
 }

@@ -58,9 +58,11 @@ TEST(Tracer, AnyPartOfRayColumns) {
     for (std::size_t k = 0; k < rays.size(); ++k) columns.set(k, rays[k]);
     for (std::size_t begin = 0; begin <= rays.size(); begin += 3)
         for (std::size_t end = begin; end <= rays.size(); ++end) {
-            std::vector<TraceHit> hits(end - begin);
-            tracer.first_hits(columns, begin, hits);
-            for (std::size_t k = begin; k < end; ++k) ASSERT_TRUE(hits[k - begin] == tracer.first_hit(rays[k])) << "ray " << k;
+            for (const RayCoherence coherence : {RayCoherence::apart, RayCoherence::together}) {
+                std::vector<TraceHit> hits(end - begin);
+                tracer.first_hits(columns, begin, hits, coherence);
+                for (std::size_t k = begin; k < end; ++k) ASSERT_TRUE(hits[k - begin] == tracer.first_hit(rays[k])) << "ray " << k;
+            }
         }
 }
 
