@@ -14,9 +14,11 @@ struct LightState {
     std::span<const double> area_m2;
     std::span<const Rgb> reflectance;
     std::span<const Channels> radiosity;   ///< B, lm/m2
-    std::span<const Channels> irradiance;  ///< H gathered from patches, lm/m2; without lamps
-    std::span<const double> mu;            ///< Closure::mu, rays/m2
+    std::span<const Channels> row_mean;    ///< K, lm/m2: row_mean.h
+    std::span<const double> mu;            ///< Closure::mu, rays/m2, > 0
     std::span<const double> open_m2;       ///< Closure::row_open_m2
+    /// A number below that of the patches: those that share it lie side by side on one surface, and see nearly the same.
+    std::span<const std::uint32_t> neighbourhood;
 };
 
 /// Throws Error{internal} when a size differs from the others.

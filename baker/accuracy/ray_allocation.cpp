@@ -38,7 +38,7 @@ struct Shared {
 }  // namespace
 
 std::vector<double> best_rays(BlockSource& source, const LightState& light, double total_rays, double floor_rays,
-                              std::span<const std::uint32_t> neighbourhood, std::uint32_t passes) {
+                              std::uint32_t passes) {
     check(light);
     const std::size_t count = light.ids.size();
     std::vector<double> rays(count, count > 0 ? total_rays / static_cast<double>(count) : 0.0), density(count);
@@ -54,9 +54,9 @@ std::vector<double> best_rays(BlockSource& source, const LightState& light, doub
         std::vector<Shared> shared(count);
         for (std::size_t i = 0; i < count; ++i) {
             const double open_gain = light.open_m2[i] * sensitivity.of_open(static_cast<PatchNumber>(i)) / (density[i] * density[i]);
-            shared[neighbourhood[i]].add(sums[i][0] + std::max(0.0, open_gain), rays[i], light.area_m2[i]);
+            shared[light.neighbourhood[i]].add(sums[i][0] + std::max(0.0, open_gain), rays[i], light.area_m2[i]);
         }
-        for (std::size_t i = 0; i < count; ++i) rays[i] = light.area_m2[i] * shared[neighbourhood[i]].density();
+        for (std::size_t i = 0; i < count; ++i) rays[i] = light.area_m2[i] * shared[light.neighbourhood[i]].density();
         // Brightness has no scale of its own: keep the numbers in range before floors are compared with them.
         double sum = 0;
         for (const double r : rays) sum += r;

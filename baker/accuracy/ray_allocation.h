@@ -20,9 +20,9 @@
 
 namespace luxel {
 
-/// Rays per patch, their sum `total_rays`, in the best proportion; every patch gets `floor_rays` at least. `neighbourhood`: per patch
-/// a number below the number of patches. `passes` over the matrix (6 are enough for powers of two). Threads: uses them all, the result does not depend on their number.
+/// Rays per patch, their sum `total_rays`, in the best proportion; every patch gets `floor_rays` at least.
+/// `passes` over the matrix (6 are enough for powers of two). Threads: uses them all, the result does not depend on their number.
 std::vector<double> best_rays(BlockSource& source, const LightState& light, double total_rays, double floor_rays,
-                              std::span<const std::uint32_t> neighbourhood, std::uint32_t passes = 6);
+                              std::uint32_t passes = 6);
 
 }  // namespace luxel

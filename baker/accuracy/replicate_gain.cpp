@@ -10,7 +10,7 @@ namespace luxel {
 namespace {
 
 struct Gathered {
-    double light = 0, rays = 0;  ///< sum n_ij B_j and sum n_ij of one replicate
+    double error = 0, rays = 0;  ///< sum n_ij v_ij and sum n_ij of one replicate
 };
 
 double gain_of(double measured, double independent) {
@@ -73,7 +73,7 @@ constexpr std::size_t levels = 64, roughness_bins = 12;
 /// Their ratio of variances is known to a fifth: four replicates each have a relative variance of 2 / 3.
 constexpr std::size_t enough_patches = 16;
 
-/// By powers of four of the variance of one ray's light relative to its squared mean; 4^-8 and less to 4^2 and more.
+/// By powers of four of the variance of one ray's error relative to the squared light; 4^-8 and less to 4^2 and more.
 std::size_t roughness_bin(double relative_variance) {
     if (!(relative_variance > 0)) return 0;
     return static_cast<std::size_t>(std::clamp(std::ilogb(relative_variance) / 2 + 8, 0, static_cast<int>(roughness_bins) - 1));
@@ -83,25 +83,38 @@ std::size_t roughness_bin(double relative_variance) {
 class Tally {
   public:
     Tally(const LightState& light, std::uint32_t replicates)
-        : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()),
+        : light_(light), replicates_(replicates), gathered_(light.ids.size() * replicates), square_(light.ids.size()), arriving_(light.ids.size()),
           counts_(replicates) {
         for (std::size_t p = 0; p < light.ids.size(); ++p) number_.emplace(light.ids[p], p);
     }
 
     void add(const EvidenceBlock& block, const std::string& where) {
-        std::vector<double> brightness(block.targets.size());
-        for (std::size_t t = 0; t < brightness.size(); ++t) brightness[t] = brightness_of(find(block.targets[t], where));
+        struct Target {
+            std::size_t patch;
+            double brightness, mu;
+        };
+        std::vector<Target> targets;
+        for (const PatchId id : block.targets) {
+            const std::size_t patch = find(id, where);
+            targets.push_back({patch, sum_of(light_.radiosity[patch]), light_.mu[patch]});
+        }
         for (const EvidenceBlock::Row& row : block.rows) {
             const std::size_t patch = find(row.patch_id, where);
             if (row.replicate >= replicates_)
                 throw Error(ErrorCode::damaged_store, where, "replicate " + std::to_string(row.replicate) + " of " + std::to_string(replicates_));
             Gathered& g = gathered_[patch * replicates_ + row.replicate];
-            g.rays += static_cast<double>(row.open) + static_cast<double>(row.back);
-            for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
-                const double n = block.counts[k], b = brightness[block.target_index[k]];
+            const double mean = sum_of(light_.row_mean[patch]), mu = light_.mu[patch];
+            const auto add_rays = [&](double n, double v) {
                 g.rays += n;
-                g.light += n * b;
-                square_[patch] += n * b * b;
+                g.error += n * v;
+                square_[patch] += n * v * v;
+            };
+            add_rays(static_cast<double>(row.open) + static_cast<double>(row.back), -mean);
+            for (std::uint32_t k = row.first; k < row.first + row.count; ++k) {
+                const Target& target = targets[block.target_index[k]];
+                const double share = target.patch == patch || !(mu > 0) ? 1.0 : mu / (mu + target.mu);
+                add_rays(block.counts[k], (target.brightness - mean) * share);
+                arriving_[patch] += block.counts[k] * target.brightness;
             }
         }
         if (replicates_ < 2) return;
@@ -119,18 +132,18 @@ class Tally {
         std::vector<GainBin> by_level(levels), by_kind(levels * roughness_bins);
         std::vector<std::size_t> kind(light_.ids.size(), by_kind.size());
         for (std::size_t p = 0; p < kind.size(); ++p) {
-            double light = 0, rays = 0;
+            double error = 0, rays = 0;
             for (std::uint32_t r = 0; r < replicates_; ++r) {
                 const Gathered& g = gathered_[p * replicates_ + r];
-                light += g.light;
+                error += g.error;
                 rays += g.rays;
             }
-            if (!(light > 0)) continue;
-            const double mean = light / rays;
-            const double relative = std::max(square_[p] / rays / (mean * mean) - 1, 0.0);
+            if (!(arriving_[p] > 0)) continue;
+            const double mean = error / rays, light = arriving_[p] / rays;
+            const double relative = std::max(square_[p] / rays - mean * mean, 0.0) / (light * light);
             kind[p] = static_cast<std::size_t>(std::ilogb(rays)) * roughness_bins + roughness_bin(relative);
-            by_kind[kind[p]].add(spread(p, mean) / (mean * mean), relative / rays);
-            by_level[kind[p] / roughness_bins].add(spread(p, mean) / (mean * mean), relative / rays);
+            by_kind[kind[p]].add(spread(p, mean) / (light * light), relative / rays);
+            by_level[kind[p] / roughness_bins].add(spread(p, mean) / (light * light), relative / rays);
         }
         std::vector<double> gains(kind.size(), 1.0);
         if (replicates_ < 2) return gains;
@@ -156,16 +169,13 @@ class Tally {
                         "the evidence belongs to another scene; use a fresh bake folder");
         return at->second;
     }
-    [[nodiscard]] double brightness_of(std::size_t patch) const {
-        const Channels& b = light_.radiosity[patch];
-        return b[0] + b[1] + b[2];
-    }
+    static double sum_of(const Channels& b) { return b[0] + b[1] + b[2]; }
     /// Variance of the mean over replicates; all have the same number of rays.
     [[nodiscard]] double spread(std::size_t p, double mean) const {
         double sum = 0;
         for (std::uint32_t r = 0; r < replicates_; ++r) {
             const Gathered& g = gathered_[p * replicates_ + r];
-            const double difference = (g.rays > 0 ? g.light / g.rays : 0.0) - mean;
+            const double difference = (g.rays > 0 ? g.error / g.rays : 0.0) - mean;
             sum += difference * difference;
         }
         return replicates_ > 1 ? sum / (replicates_ * (replicates_ - 1.0)) : 0.0;
@@ -174,7 +184,7 @@ class Tally {
     const LightState& light_;
     std::uint32_t replicates_;
     std::vector<Gathered> gathered_;
-    std::vector<double> square_;  ///< sum n_ij B_j^2
+    std::vector<double> square_, arriving_;  ///< sum n_ij v_ij^2 and sum n_ij B_j
     CountSpread counts_;
     std::unordered_map<PatchId, std::size_t> number_;
 };

@@ -43,8 +43,8 @@ double Sensitivity::of_pair(PatchNumber i, PatchNumber j) const {
     double sum = 0;
     for (const Channel& channel : channels_) {
         const std::size_t c = channel.index;
-        const double at_i = light_.radiosity[j][c] - light_.irradiance[i][c];
-        const double at_j = light_.radiosity[i][c] - light_.irradiance[j][c];
+        const double at_i = light_.radiosity[j][c] - light_.row_mean[i][c];
+        const double at_j = light_.radiosity[i][c] - light_.row_mean[j][c];
         float both = 0;
         for (std::size_t v = 0; v < pattern_count; ++v) both += channel.x[i][v] * channel.x[j][v];
         sum += channel.weight * (at_i * at_i * channel.square[i] + 2 * at_i * at_j * static_cast<double>(both) +
@@ -56,8 +56,8 @@ double Sensitivity::of_pair(PatchNumber i, PatchNumber j) const {
 double Sensitivity::of_open(PatchNumber i) const {
     double sum = 0;
     for (const Channel& channel : channels_) {
-        const double h = light_.irradiance[i][channel.index];
-        sum += channel.weight * h * h * channel.square[i];
+        const double mean = light_.row_mean[i][channel.index];
+        sum += channel.weight * mean * mean * channel.square[i];
     }
     return sum / static_cast<double>(pattern_count);
 }

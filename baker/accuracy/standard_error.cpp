@@ -28,20 +28,34 @@ NoiseSums pair_noise(BlockSource& source, const LightState& light, const Replica
         const double sigma_i = std::sqrt(area_m2 * (mu_i * gains.rows[i] + mu_j * from_j)) / mu;
         const double sigma_j = std::sqrt(area_m2 * (mu_i * from_i + mu_j * gains.rows[j])) / mu;
         const std::uint64_t signs = signs_of(light.ids[i], light.ids[j]);
-        add_noise(to_i, sigma_i * (light.radiosity[j][c] - light.irradiance[i][c]), signs);
-        add_noise(to_j, sigma_j * (light.radiosity[i][c] - light.irradiance[j][c]), signs);
+        add_noise(to_i, sigma_i * (light.radiosity[j][c] - light.row_mean[i][c]), signs);
+        add_noise(to_j, sigma_j * (light.radiosity[i][c] - light.row_mean[j][c]), signs);
     });
-    for (std::size_t i = 0; i < noise.size(); ++i)
-        if (light.open_m2[i] > 0 && light.mu[i] > 0)
-            add_noise(noise[i], -std::sqrt(light.open_m2[i] * gains.rows[i] / light.mu[i]) * light.irradiance[i][c],
-                      mix(light.ids[i]));
+    // What ends in the open or on the patch itself.
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+        if (!(light.mu[i] > 0)) continue;
+        const auto sigma = [&](double area_m2) { return std::sqrt(std::max(area_m2, 0.0) * gains.rows[i] / light.mu[i]); };
+        add_noise(noise[i], -sigma(light.open_m2[i]) * light.row_mean[i][c], mix(light.ids[i]));
+        add_noise(noise[i], sigma(source.diagonal_m2()[i]) * (light.radiosity[i][c] - light.row_mean[i][c]), mix(light.ids[i], 2));
+    }
     return noise;
+}
+
+/// Every patch gets its share, by area, of what the patches of its neighbourhood have together.
+void share_among_neighbours(const LightState& light, std::vector<double>& amount) {
+    std::vector<double> sum(amount.size()), area_m2(amount.size());
+    for (std::size_t i = 0; i < amount.size(); ++i) {
+        sum[light.neighbourhood[i]] += amount[i];
+        area_m2[light.neighbourhood[i]] += light.area_m2[i];
+    }
+    for (std::size_t i = 0; i < amount.size(); ++i)
+        amount[i] = light.area_m2[i] * sum[light.neighbourhood[i]] / area_m2[light.neighbourhood[i]];
 }
 
 /// Variance of H per patch in one channel.
 std::vector<double> irradiance_variance(BlockSource& source, const LightState& light, const ReplicateGains& gains,
                                         std::size_t c) {
-    std::vector<double> variance(light.ids.size());
+    std::vector<double> arriving(light.ids.size()), bounces(light.ids.size());  // variance in lm2; A times that of H
     Patterns noise(light.ids.size());
     double scale = 0;  // patterns are in single precision: without it extreme brightness would leave its range
     for (const Channels& b : light.radiosity) scale = std::max(scale, b[c]);
@@ -49,18 +63,23 @@ std::vector<double> irradiance_variance(BlockSource& source, const LightState& l
         const NoiseSums sums = pair_noise(source, light, gains, c);
         for (std::size_t i = 0; i < sums.size(); ++i) {
             for (std::size_t v = 0; v < pattern_count; ++v) noise[i][v] = static_cast<float>(sums[i][v] / scale);
-            variance[i] = sums[i][local] / (light.area_m2[i] * light.area_m2[i]);
+            arriving[i] = sums[i][local];
         }
     }
     const Patterns with_bounces = propagate_errors(source, light, c, noise);
     for (std::size_t i = 0; i < noise.size(); ++i) {
-        double bounces = 0;
+        double added = 0;
         for (std::size_t v = 0; v < pattern_count; ++v) {
             const double before = static_cast<double>(noise[i][v]) / light.area_m2[i], after = with_bounces[i][v];
-            bounces += after * after - before * before;
+            added += after * after - before * before;
         }
-        variance[i] += std::max(0.0, bounces / static_cast<double>(pattern_count)) * scale * scale;
+        bounces[i] = light.area_m2[i] * added / static_cast<double>(pattern_count) * scale * scale;
     }
+    share_among_neighbours(light, arriving);
+    share_among_neighbours(light, bounces);
+    std::vector<double> variance(light.ids.size());
+    for (std::size_t i = 0; i < variance.size(); ++i)
+        variance[i] = arriving[i] / (light.area_m2[i] * light.area_m2[i]) + std::max(0.0, bounces[i] / light.area_m2[i]);
     return variance;
 }
 

@@ -19,7 +19,7 @@ std::uint64_t EvidenceRounds::rays_at(std::uint8_t level) const { return estimat
 bool EvidenceRounds::extensible() const { return options_.estimator == EstimatorKind::ray; }
 
 Key EvidenceRounds::plan_key(std::uint32_t round) const {
-    return KeyBuilder("plan 1")
+    return KeyBuilder("plan 2")
         .key(geometry_.layout_key)
         .key(estimator_->identity())
         .integer(static_cast<std::int64_t>(options_.rays))

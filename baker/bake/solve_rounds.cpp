@@ -5,6 +5,7 @@
 
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/accuracy/replicate_gain.h"
+#include "baker/accuracy/row_mean.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/store_stage.h"
 #include "baker/formfactors/hemicube_weights.h"
@@ -30,7 +31,8 @@ class Rounds {
     Rounds(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder, const MemoryPlan& plan,
            StageClock& clock, BakeReport& report)
         : options_(options), g_(geometry), folder_(folder), plan_(plan), clock_(clock), report_(report),
-          evidence_(options, geometry, folder) {}
+          evidence_(options, geometry, folder),
+          neighbourhood_(neighbourhoods(geometry.atlas, geometry.patches, neighbourhood_patches * options.patch_texels)) {}
 
     SolvedScene run() {
         scene_.sources = light_patches(options_, g_, clock_, report_);
@@ -85,10 +87,19 @@ class Rounds {
         scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, clock_, report_);
     }
 
-    [[nodiscard]] LightState light() const {
-        const SolveResult& result = scene_.solution.result;
-        return {evidence_.ids(), scene_.matrix.area_m2, scene_.solution.reflectance, result.radiosity,
-                result.irradiance, scene_.matrix.closure.mu, scene_.matrix.closure.row_open_m2};
+    /// What the accuracy room needs to know: the light, and the matrix that made it.
+    struct Judged {
+        explicit Judged(const SolvedScene& scene)
+            : strips(*scene.matrix.strips, scene.matrix.area_m2, scene.matrix.closure),
+              cache(strips, scene.matrix.cache_bytes),
+              means(row_means(cache, scene.solution.result.radiosity, scene.matrix.closure.mu, scene.matrix.closure.row_open_m2)) {}
+        ClosedMatrix strips;
+        BlockCache cache;
+        std::vector<Channels> means;
+    };
+    [[nodiscard]] LightState light(const Judged& judged) const {
+        return {evidence_.ids(), scene_.matrix.area_m2, scene_.solution.reflectance, scene_.solution.result.radiosity,
+                judged.means, scene_.matrix.closure.mu, scene_.matrix.closure.row_open_m2, neighbourhood_};
     }
 
     /// Luminance of all light that arrives, lamps included, area-weighted.
@@ -109,18 +120,17 @@ class Rounds {
             report_.skipped.push_back({"accuracy", "the counts of the hemicube do not scatter: no standard error can be found from them"});
             return true;
         }
-        const Key key = KeyBuilder("accuracy 1").key(scene_.solution.key).finish();
+        const Key key = KeyBuilder("accuracy 2").key(scene_.solution.key).finish();
         clock_.stage("accuracy", [&] {
             const auto path = folder_.accuracy(key);
             if (auto error = load_accuracy(path, key, g_.patches.count())) {
                 scene_.error = std::move(*error);
                 return true;
             }
-            ClosedMatrix strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
-            BlockCache cache(strips, scene_.matrix.cache_bytes);
-            const ReplicateGains gains = replicate_gains(*evidence_.source(), light(), evidence_.replicates());
+            Judged judged(scene_);
+            const ReplicateGains gains = replicate_gains(*evidence_.source(), light(judged), evidence_.replicates());
             if (scene_.matrix.rows) report_.rays_traced += evidence_.total_rays();
-            scene_.error = standard_error(cache, light(), gains, mean_irradiance());
+            scene_.error = standard_error(judged.cache, light(judged), gains, mean_irradiance());
             save_accuracy(path, key, scene_.error);
             return false;
         });
@@ -141,10 +151,8 @@ class Rounds {
             const double total = goal * static_cast<double>(g_.patches.count());
             std::vector<double> wanted(g_.patches.count(), 1.0);
             if (options_.importance) {
-                ClosedMatrix strips(*scene_.matrix.strips, scene_.matrix.area_m2, scene_.matrix.closure);
-                BlockCache cache(strips, scene_.matrix.cache_bytes);
-                wanted = best_rays(cache, light(), total, static_cast<double>(first_rays),
-                                   neighbourhoods(g_.atlas, g_.patches, neighbourhood_patches * options_.patch_texels));
+                Judged judged(scene_);
+                wanted = best_rays(judged.cache, light(judged), total, static_cast<double>(first_rays));
             }
             next = plan_by_want(wanted, evidence_.reached(), evidence_.replicates(), static_cast<std::uint64_t>(total));
             return false;
@@ -163,7 +171,7 @@ class Rounds {
         if (by_error()) {
             std::error_code ignored;
             const Key solution = solution_key(options_, g_, keys.closure, options_.tolerance);
-            std::filesystem::remove(folder_.accuracy(KeyBuilder("accuracy 1").key(solution).finish()), ignored);
+            std::filesystem::remove(folder_.accuracy(KeyBuilder("accuracy 2").key(solution).finish()), ignored);
         }
     }
 
@@ -211,6 +219,7 @@ class Rounds {
     StageClock& clock_;
     BakeReport& report_;
     EvidenceRounds evidence_;
+    std::vector<std::uint32_t> neighbourhood_;
     SolvedScene scene_;
 };
 

@@ -109,8 +109,8 @@ class Calibration : public testing::TestWithParam<double> {
                 "per patch\n",
                 name, GetParam(), room ? "lit" : "unlit", 100 * share, std::sqrt(square[room] / count[room]),
                 100 * bias, rays);
-            EXPECT_GE(share, 0.92);                                 // never smaller than it is
-            EXPECT_GE(std::sqrt(square[room] / count[room]), 0.6);  // nor much larger
+            EXPECT_GE(share, 0.92);
+            EXPECT_LE(share, 0.98);
             EXPECT_LT(std::fabs(bias), 0.01);  // of each room by itself: the dim one is 0.6 % too dark at albedo 0.95
         }
         EXPECT_LT(std::fabs((sum[0] + sum[1]) / (expected[0] + expected[1]) - 1), 0.002);

@@ -52,8 +52,9 @@ ReplicateGains gains_of(const Counts& counts) {
     const std::vector<Rgb> reflectance(patches, Rgb{0.5f, 0.5f, 0.5f});
     std::vector<Channels> radiosity(patches, Channels{1, 1, 1});
     radiosity[0] = {5, 5, 5};
-    const std::vector<Channels> irradiance(patches, Channels{3, 3, 3});
-    return replicate_gains(EvidenceFiles({&file, 1}), {ids, area, reflectance, radiosity, irradiance, mu, open}, replicates);
+    const std::vector<Channels> row_mean(patches, Channels{3, 3, 3});
+    const std::vector<std::uint32_t> neighbourhood(patches, 0);
+    return replicate_gains(EvidenceFiles({&file, 1}), {ids, area, reflectance, radiosity, row_mean, mu, open, neighbourhood}, replicates);
 }
 
 TEST(ReplicateGain, IndependentRaysGainNothing) {

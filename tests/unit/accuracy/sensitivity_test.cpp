@@ -22,16 +22,18 @@ class Light {
         const std::vector<Channels> emission = random_emission(matrix.count(), 4);
         const Eigen::MatrixXd g = matrix.dense();
         radiosity.resize(matrix.count());
-        irradiance.resize(matrix.count());
+        row_mean.resize(matrix.count());
         for (std::size_t c = 0; c < 3; ++c) {
             const Eigen::VectorXd b = exact_radiosity(matrix, reflectance, emission, c), arriving = g * b;
             for (std::size_t i = 0; i < matrix.count(); ++i) {
                 radiosity[i][c] = b(static_cast<Eigen::Index>(i));
-                irradiance[i][c] = arriving(static_cast<Eigen::Index>(i)) / matrix.area_m2[i];
+                row_mean[i][c] = arriving(static_cast<Eigen::Index>(i)) / matrix.area_m2[i];
             }
         }
         open = matrix.row_open_m2();
         mu.assign(matrix.count(), 1000);
+        neighbourhood.resize(matrix.count());
+        std::iota(neighbourhood.begin(), neighbourhood.end(), 0u);
         name(0);
     }
 
@@ -41,13 +43,13 @@ class Light {
         for (std::size_t i = 0; i < matrix.count(); ++i) ids.push_back(mix(seed, i));
     }
 
-    [[nodiscard]] LightState state() const { return {ids, matrix.area_m2, reflectance, radiosity, irradiance, mu, open}; }
+    [[nodiscard]] LightState state() const { return {ids, matrix.area_m2, reflectance, radiosity, row_mean, mu, open, neighbourhood}; }
 
     /// sum_c sum_k A_k (dB_k / dG_ij)^2, closure making up for the error in both rows.
     [[nodiscard]] double exact_cost(PatchNumber i, PatchNumber j) const {
         double sum = 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            const Eigen::VectorXd change = response(c, i) * (radiosity[j][c] - irradiance[i][c]) + response(c, j) * (radiosity[i][c] - irradiance[j][c]);
+            const Eigen::VectorXd change = response(c, i) * (radiosity[j][c] - row_mean[i][c]) + response(c, j) * (radiosity[i][c] - row_mean[j][c]);
             for (std::size_t k = 0; k < matrix.count(); ++k)
                 sum += matrix.area_m2[k] * change(static_cast<Eigen::Index>(k)) * change(static_cast<Eigen::Index>(k));
         }
@@ -57,9 +59,10 @@ class Light {
     Matrix matrix;
     mutable MemoryBlocks source;
     std::vector<Rgb> reflectance;
-    std::vector<Channels> radiosity, irradiance;
+    std::vector<Channels> radiosity, row_mean;
     std::vector<double> open, mu;
     std::vector<PatchId> ids;
+    std::vector<std::uint32_t> neighbourhood;
 
   private:
     /// Radiosity of all patches for one lm more that arrives at patch i: column of (I - rho G / A)^-1 rho / A.
@@ -113,11 +116,9 @@ double expected_error(const Light& light, const std::vector<double>& rays) {
 
 TEST(RayAllocation, NoOtherChoiceHasLessError) {
     for (const bool closed : {true, false}) {
-        const Light light(0.8f, closed);
+        const Light light(0.8f, closed);  // every patch has a neighbourhood of its own
         const double total = 256.0 * static_cast<double>(light.matrix.count());
-        std::vector<std::uint32_t> alone(light.matrix.count());
-        std::iota(alone.begin(), alone.end(), 0u);
-        const std::vector<double> best = best_rays(light.source, light.state(), total, 1, alone, 400);
+        const std::vector<double> best = best_rays(light.source, light.state(), total, 1, 400);
         double sum = 0;
         for (const double rays : best) sum += rays;
         EXPECT_NEAR(sum, total, 1e-6 * total);
@@ -137,12 +138,11 @@ TEST(RayAllocation, NoOtherChoiceHasLessError) {
 
 /// Neighbours have one density, and among such choices none has less error.
 TEST(RayAllocation, NeighboursShareADensity) {
-    const Light light(0.8f, false);
+    Light light(0.8f, false);
     const std::size_t count = light.matrix.count();
     const double total = 256.0 * static_cast<double>(count);
-    std::vector<std::uint32_t> pairs(count);
-    for (std::size_t i = 0; i < count; ++i) pairs[i] = static_cast<std::uint32_t>(i / 2);
-    const std::vector<double> best = best_rays(light.source, light.state(), total, 1, pairs, 400);
+    for (std::size_t i = 0; i < count; ++i) light.neighbourhood[i] = static_cast<std::uint32_t>(i / 2);
+    const std::vector<double> best = best_rays(light.source, light.state(), total, 1, 400);
     const double least = expected_error(light, best);
     const auto area = [&](std::size_t i) { return light.matrix.area_m2[i]; };
     for (std::size_t i = 0; i + 1 < count; i += 2) EXPECT_NEAR(best[i] / area(i), best[i + 1] / area(i + 1), 1e-9 * best[i] / area(i));
