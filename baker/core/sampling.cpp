@@ -35,15 +35,4 @@ void cosine_directions(std::span<const float> u, std::span<const float> v, float
     for (std::size_t k = 0; k < u.size(); ++k) concentric(u[k], v[k], x[k], y[k], z[k]);
 }
 
-Vec2f triangle_point(float u, float v) {
-    if (v > u) {
-        u *= 0.5f;
-        v -= u;
-    } else {
-        v *= 0.5f;
-        u -= v;
-    }
-    return {u, v};
-}
-
 }  // namespace luxel

@@ -16,6 +16,10 @@ void cosine_directions(std::span<const float> u, std::span<const float> v, float
 
 /// Uniform barycentrics (weights of corners 1 and 2) of a triangle; keeps strata compact.
 /// Source: Heitz, A Low-Distortion Map Between Triangle and Square, 2019.
-Vec2f triangle_point(float u, float v);
+inline Vec2f triangle_point(float u, float v) {
+    const bool upper = v > u;
+    const float half = 0.5f * (upper ? u : v);
+    return upper ? Vec2f(half, v - half) : Vec2f(u - half, half);
+}
 
 }  // namespace luxel

@@ -38,15 +38,15 @@ void order_by_direction(std::span<const float> u, std::span<const float> v, std:
     // A counting sort over as many cells as there are points, or a quarter of that.
     const auto count_bits = static_cast<std::uint32_t>(std::bit_width(u.size() | 1) - 1);
     const std::uint32_t bits = std::min(most_bits, count_bits / 2), drop = 2 * (most_bits - bits);
-    std::array<std::uint16_t, side * side + 1> begin;
     const std::size_t cells = std::size_t{1} << (2 * bits);
-    std::fill_n(begin.begin(), cells + 1, std::uint16_t{0});
-    const auto place = [&](std::size_t k) { return place_of_cell[coordinate(v[k]) * side + coordinate(u[k])] >> drop; };
-    for (std::size_t k = 0; k < u.size(); ++k) ++begin[static_cast<std::size_t>(place(k)) + 1];
-    for (std::size_t cell = 1; cell < cells; ++cell)
-        begin[cell] = static_cast<std::uint16_t>(begin[cell] + begin[cell - 1]);
+    std::array<std::uint16_t, most_points> place;
     for (std::size_t k = 0; k < u.size(); ++k)
-        order[begin[static_cast<std::size_t>(place(k))]++] = static_cast<std::uint16_t>(k);
+        place[k] = static_cast<std::uint16_t>(place_of_cell[coordinate(v[k]) * side + coordinate(u[k])] >> drop);
+    std::array<std::uint16_t, side * side + 1> begin;
+    std::fill_n(begin.begin(), cells + 1, std::uint16_t{0});
+    for (std::size_t k = 0; k < u.size(); ++k) ++begin[place[k] + std::size_t{1}];
+    for (std::size_t cell = 1; cell < cells; ++cell) begin[cell] = static_cast<std::uint16_t>(begin[cell] + begin[cell - 1]);
+    for (std::size_t k = 0; k < u.size(); ++k) order[begin[place[k]]++] = static_cast<std::uint16_t>(k);
 }
 
 }  // namespace luxel

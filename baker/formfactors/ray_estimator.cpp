@@ -6,8 +6,8 @@
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
 #include "baker/formfactors/direction_order.h"
+#include "baker/formfactors/ray_starts.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
 #include "baker/trace/surface_map.h"
 
 namespace luxel {
@@ -29,6 +29,10 @@ struct Bundle {
     std::array<std::uint16_t, capacity> order;
     std::size_t count = 0;
 
+    [[nodiscard]] RayArrays rays() {
+        return {origin_x, origin_y, origin_z, direction_x, direction_y, direction_z, from_triangle};
+    }
+
     void columns(std::size_t first, std::size_t size, RayColumns& out) const {
         for (std::size_t k = 0; k < size; ++k) {
             const std::size_t ray = order[first + k];
@@ -40,45 +44,6 @@ struct Bundle {
     }
 };
 
-/// A batch of the sequence: points and local directions.
-struct Batch {
-    std::array<std::array<float, batch>, 4> points;
-    std::array<float, batch> x, y, z;
-};
-
-/// Points [begin, end) of the batch become rays from a parallelogram: one frame and one triangle for all of them.
-void aim_flat(const Scene& scene, const Parallelogram& flat, const Batch& b, std::size_t begin, std::size_t end,
-              Bundle& out) {
-    const Frame frame(flat.normal);
-    const Vec3f offset = flat.normal * offset_distance(flat.normal, scene.corner_extent(flat.triangle));
-    const std::size_t shift = out.count - begin;
-    // Component by component, in the order of the vectors' own operations.
-    const auto place = [&](float Vec3f::*c, std::array<float, Bundle::capacity>& to) {
-        for (std::size_t k = begin; k < end; ++k)
-            to[shift + k] =
-                flat.origin.*c + flat.side_u.*c * b.points[0][k] + flat.side_v.*c * b.points[1][k] + offset.*c;
-    };
-    const auto turn = [&](float Vec3f::*c, std::array<float, Bundle::capacity>& to) {
-        for (std::size_t k = begin; k < end; ++k)
-            to[shift + k] = frame.tangent.*c * b.x[k] + frame.bitangent.*c * b.y[k] + frame.normal.*c * b.z[k];
-    };
-    place(&Vec3f::x, out.origin_x), place(&Vec3f::y, out.origin_y), place(&Vec3f::z, out.origin_z);
-    turn(&Vec3f::x, out.direction_x), turn(&Vec3f::y, out.direction_y), turn(&Vec3f::z, out.direction_z);
-    std::fill_n(out.from_triangle.begin() + out.count, end - begin, flat.triangle);
-}
-
-void aim(const Scene& scene, const SurfaceSampler& sampler, const Batch& b, std::size_t begin, std::size_t end,
-         Bundle& out) {
-    for (std::size_t k = begin, to = out.count; k < end; ++k, ++to) {
-        const SurfacePoint at = sampler.point(b.points[0][k], b.points[1][k]);
-        const Vec3f origin = offset_origin(at.position, at.normal, scene.corner_extent(at.triangle));
-        const Vec3f direction = Frame(at.normal).to_world({b.x[k], b.y[k], b.z[k]});
-        out.origin_x[to] = origin.x, out.origin_y[to] = origin.y, out.origin_z[to] = origin.z;
-        out.direction_x[to] = direction.x, out.direction_y[to] = direction.y, out.direction_z[to] = direction.z;
-        out.from_triangle[to] = at.triangle;
-    }
-}
-
 class RayEstimator final : public Estimator {
   public:
     RayEstimator(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,
@@ -89,6 +54,7 @@ class RayEstimator final : public Estimator {
         out.resize(options_.replicates);
         for (Landings& landings : out) landings.clear();
         const PatchSampler sampler(scene_, atlas_, patches_, patch);
+        const RayStarts starts(scene_, sampler);
         std::vector<SobolSequence> sequences;
         for (std::uint32_t replicate = 0; replicate < options_.replicates; ++replicate)
             sequences.emplace_back(mix(mix(patches_.patches[patch].id, options_.seed), replicate));
@@ -100,7 +66,7 @@ class RayEstimator final : public Estimator {
             const std::uint64_t last = std::min(end, first + batch);
             for (std::uint32_t replicate = 0; replicate < options_.replicates; ++replicate) {
                 if (bundle->count + (last - begin) > Bundle::capacity) trace(*bundle, out);
-                add_batch(sampler, sequences[replicate], first, begin - first, last - first, replicate, *bundle);
+                add_batch(starts, sequences[replicate], first, begin - first, last - first, replicate, *bundle);
             }
             begin = last;
         }
@@ -110,7 +76,7 @@ class RayEstimator final : public Estimator {
     [[nodiscard]] std::uint32_t replicate_count() const override { return options_.replicates; }
 
     [[nodiscard]] Key identity() const override {
-        return KeyBuilder("ray estimator 3")
+        return KeyBuilder("ray estimator 4")
             .text(tracer_identity())
             .integer(static_cast<std::int64_t>(options_.seed))
             .integer(options_.replicates)
@@ -119,15 +85,12 @@ class RayEstimator final : public Estimator {
 
   private:
     /// Adds rays [begin, end) of the batch that starts at point `first` of the sequence.
-    void add_batch(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t first, std::size_t begin,
+    void add_batch(const RayStarts& starts, const SobolSequence& sequence, std::uint64_t first, std::size_t begin,
                    std::size_t end, std::uint32_t replicate, Bundle& bundle) const {
-        Batch b;
+        StartBatch b;
         sequence.points(static_cast<std::uint32_t>(first), b.points);
         cosine_directions(b.points[2], b.points[3], b.x.data(), b.y.data(), b.z.data());
-        if (const Parallelogram* flat = sampler.flat())
-            aim_flat(scene_, *flat, b, begin, end, bundle);
-        else
-            aim(scene_, sampler, b, begin, end, bundle);
+        starts.aim(b, begin, end, bundle.rays(), bundle.count);
         std::copy(b.points[2].begin() + begin, b.points[2].begin() + end, bundle.u.begin() + bundle.count);
         std::copy(b.points[3].begin() + begin, b.points[3].begin() + end, bundle.v.begin() + bundle.count);
         std::fill_n(bundle.replicate.begin() + bundle.count, end - begin, static_cast<std::uint8_t>(replicate));

@@ -60,6 +60,8 @@ class FragmentPolygon {
     /// Corners, b1 in x and b2 in y.
     [[nodiscard]] std::span<const Vec2f> corners() const { return {corners_.data(), count_}; }
     [[nodiscard]] bool is_square() const { return square_; }
+    /// Share of the area in the fan triangles (0, k - 1, k) up to corner k; 1 at the last corner.
+    [[nodiscard]] float area_up_to(std::size_t corner) const { return area_up_to_[corner]; }
     /// Barycentrics of the centre of gravity.
     [[nodiscard]] Vec2f centroid() const { return centroid_; }
 

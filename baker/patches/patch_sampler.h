@@ -39,7 +39,7 @@ class SurfaceSampler {
     /// Interpolated shading normal on the sampled side.
     [[nodiscard]] Vec3f shading_normal(const SurfacePoint& at) const;
 
-  private:
+    /// What point() chooses from unless the surface is flat: rows of texels, and the fragments in each.
     struct Piece {
         FragmentPolygon polygon;
         std::uint32_t triangle;
@@ -49,9 +49,16 @@ class SurfaceSampler {
         float share;  ///< of the row's area
     };
     struct Row {
-        std::uint32_t first, end;
-        float share;  ///< of the whole area
+        std::uint32_t first, end;  ///< pieces
+        float share;               ///< of the whole area
     };
+    [[nodiscard]] std::span<const Piece> pieces() const { return pieces_; }
+    [[nodiscard]] std::span<const Row> rows() const { return rows_; }
+    /// Shares of the pieces before each in its row, and of the rows before each.
+    [[nodiscard]] std::span<const float> piece_before() const { return piece_before_; }
+    [[nodiscard]] std::span<const float> row_before() const { return row_before_; }
+
+  private:
     void cut_pieces(const Atlas& atlas, std::span<const Fragment> fragments);
     bool make_flat(const Atlas& atlas, std::span<const Fragment> fragments);
 

@@ -1,5 +1,5 @@
-// The predicted error against the scatter of many draws, in a scene whose form factors are known: the inside of a sphere, where F_ij is
-// A_j / A for all i.
+// The predicted error against the scatter of many draws, in a scene whose form factors are known: the inside of a
+// sphere, where F_ij is A_j / A for all i.
 #include "baker/accuracy/standard_error.h"
 
 #include <gtest/gtest.h>
@@ -35,14 +35,17 @@ class Sphere {
         for (std::size_t i = 0; i < patches; ++i) open_m2.push_back(open_share * area_m2[i]);
     }
 
-    [[nodiscard]] double exchange_m2(std::size_t i, std::size_t j) const { return (1 - open_) * area_m2[i] * area_m2[j] / whole_m2; }
+    [[nodiscard]] double exchange_m2(std::size_t i, std::size_t j) const {
+        return (1 - open_) * area_m2[i] * area_m2[j] / whole_m2;
+    }
 
     [[nodiscard]] MemoryBlocks matrix() const {
         std::vector<ExchangePair> pairs;
         std::vector<double> diagonal;
         for (PatchNumber i = 0; i < ids.size(); ++i) {
             diagonal.push_back(exchange_m2(i, i));
-            for (PatchNumber j = i + 1; j < ids.size(); ++j) pairs.push_back({i, j, static_cast<float>(exchange_m2(i, j))});
+            for (PatchNumber j = i + 1; j < ids.size(); ++j)
+                pairs.push_back({i, j, static_cast<float>(exchange_m2(i, j))});
         }
         return {layout(), area_m2, diagonal, pairs};
     }
@@ -61,7 +64,8 @@ class Sphere {
             double sum = closure.diagonal_m2[i] * radiosity[i][0];
             for (std::size_t j = 0; j < h.size(); ++j)
                 if (j != i && draw.count(i, j) > 0)
-                    sum += static_cast<double>(exchange_area(draw.count(i, j), closure.mu[i], closure.mu[j])) * radiosity[j][0];
+                    sum += static_cast<double>(exchange_area(draw.count(i, j), closure.mu[i], closure.mu[j])) *
+                           radiosity[j][0];
             h[i] = sum / area_m2[i];
         }
         return h;
@@ -78,7 +82,10 @@ class Sphere {
     class Draw final : public CountSource {
       public:
         Draw(const Sphere& sphere, std::uint64_t seed)
-            : self(sphere.ids.size()), open(sphere.ids.size()), layout_(sphere.layout()), counts_(sphere.ids.size() * sphere.ids.size()) {
+            : self(sphere.ids.size()),
+              open(sphere.ids.size()),
+              layout_(sphere.layout()),
+              counts_(sphere.ids.size() * sphere.ids.size()) {
             std::mt19937_64 random(seed);
             std::discrete_distribution<std::size_t> target(sphere.area_m2.begin(), sphere.area_m2.end());
             std::bernoulli_distribution leaves(sphere.open_);
@@ -86,18 +93,25 @@ class Sphere {
             for (std::size_t i = 0; i < count; ++i)
                 for (std::uint64_t ray = 0; ray < sphere.rays_[i]; ++ray) {
                     const std::size_t j = target(random);
-                    if (leaves(random)) ++open[i];
-                    else if (i == j) ++self[i];
-                    else ++counts_[std::min(i, j) * count + std::max(i, j)];
+                    if (leaves(random))
+                        ++open[i];
+                    else if (i == j)
+                        ++self[i];
+                    else
+                        ++counts_[std::min(i, j) * count + std::max(i, j)];
                 }
             block_.row_begin.push_back(0);
             for (std::size_t i = 0; i < count; ++i) {
                 for (std::size_t j = i + 1; j < count; ++j)
-                    if (this->count(i, j)) block_.columns.push_back(static_cast<std::uint16_t>(j)), block_.counts.push_back(this->count(i, j));
+                    if (this->count(i, j))
+                        block_.columns.push_back(static_cast<std::uint16_t>(j)),
+                            block_.counts.push_back(this->count(i, j));
                 block_.row_begin.push_back(static_cast<std::uint32_t>(block_.columns.size()));
             }
         }
-        [[nodiscard]] std::uint32_t count(std::size_t i, std::size_t j) const { return counts_[std::min(i, j) * self.size() + std::max(i, j)]; }
+        [[nodiscard]] std::uint32_t count(std::size_t i, std::size_t j) const {
+            return counts_[std::min(i, j) * self.size() + std::max(i, j)];
+        }
         const ChunkLayout& layout() const override { return layout_; }
         std::size_t block_count() const override { return 1; }
         void load(std::size_t, CountBlock& out) const override { out = block_; }
@@ -124,8 +138,10 @@ void expect_predicts(const Sphere& sphere) {
     const std::vector<Channels> means = row_means(matrix, sphere.radiosity, sphere.mu, sphere.open_m2);
     ReplicateGains independent{std::vector<double>(count, 1.0), {}};
     independent.counts.fill(1);
-    const StandardError error = standard_error(
-        matrix, {sphere.ids, sphere.area_m2, sphere.reflectance, sphere.radiosity, means, sphere.mu, sphere.open_m2, sphere.alone}, independent, 1);
+    const StandardError error = standard_error(matrix,
+                                               {sphere.ids, sphere.area_m2, sphere.reflectance, sphere.radiosity, means,
+                                                sphere.mu, sphere.open_m2, sphere.alone},
+                                               independent, 1);
     double ratio = 0;
     for (std::size_t i = 1; i < count; ++i) {
         const double mean = sum[i] / draws, variance = (square[i] / draws - mean * mean) * draws / (draws - 1);
@@ -153,9 +169,10 @@ TEST(StandardError, NeighboursShareTheirVariance) {
     std::vector<std::uint32_t> halves(count);
     for (std::size_t i = 0; i < count; ++i) halves[i] = i < count / 2 ? 0 : 7;
     const auto variance_lm2 = [&](const std::vector<std::uint32_t>& neighbourhood) {
-        const StandardError error = standard_error(
-            matrix, {sphere.ids, sphere.area_m2, sphere.reflectance, sphere.radiosity, means, sphere.mu, sphere.open_m2, neighbourhood},
-            independent, 1);
+        const StandardError error = standard_error(matrix,
+                                                   {sphere.ids, sphere.area_m2, sphere.reflectance, sphere.radiosity,
+                                                    means, sphere.mu, sphere.open_m2, neighbourhood},
+                                                   independent, 1);
         std::vector<double> variance;
         for (std::size_t i = 0; i < count; ++i)
             variance.push_back(std::pow(sphere.area_m2[i] * error.irradiance[i][0], 2));
@@ -166,7 +183,8 @@ TEST(StandardError, NeighboursShareTheirVariance) {
         double sum_alone = 0, sum_shared = 0;
         for (std::size_t i = begin; i < begin + count / 2; ++i) {
             sum_alone += alone[i], sum_shared += shared[i];
-            EXPECT_NEAR(shared[i] / sphere.area_m2[i], shared[begin] / sphere.area_m2[begin], 0.01 * shared[begin]) << i;
+            EXPECT_NEAR(shared[i] / sphere.area_m2[i], shared[begin] / sphere.area_m2[begin], 0.01 * shared[begin])
+                << i;
         }
         EXPECT_NEAR(sum_shared, sum_alone, 0.01 * sum_alone) << "bounces are a hundredth of it";
     }
