@@ -1,6 +1,7 @@
 #include "baker/formfactors/evidence.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <memory>
 
@@ -12,18 +13,52 @@ namespace {
 
 /// Patches whose records share one block, hence one table of targets: neighbours see the same surfaces.
 constexpr std::size_t block_patches = 64;
+/// Patches of a block that one thread casts in a row. Blocks of a chunk are few: cut finer, none waits long for the
+/// last.
+constexpr std::size_t share_patches = 8;
 
-/// Turns lists of landings into one evidence block without sorting them: targets are ranked once per block, then counted.
+/// What the rays of some patches met, row after row.
+struct CastRows {
+    std::vector<EvidenceBlock::Row> rows;  ///< without their counts
+    std::vector<PatchNumber> landings;
+    std::vector<std::uint32_t> weights;  ///< one per landing, or empty: one estimator either weighs all or none
+    std::vector<std::size_t> row_end;    ///< in `landings`
+
+    void add(PatchId patch, std::uint32_t replicate, LevelRange levels, const Landings& found) {
+        rows.push_back(
+            {patch, static_cast<std::uint8_t>(replicate), levels.first, levels.last, found.open, found.back, 0, 0});
+        landings.insert(landings.end(), found.patches.begin(), found.patches.end());
+        weights.insert(weights.end(), found.weights.begin(), found.weights.end());
+        row_end.push_back(landings.size());
+    }
+    void add(const CastRows& more) {
+        const std::size_t before = landings.size();
+        rows.insert(rows.end(), more.rows.begin(), more.rows.end());
+        landings.insert(landings.end(), more.landings.begin(), more.landings.end());
+        weights.insert(weights.end(), more.weights.begin(), more.weights.end());
+        for (const std::size_t end : more.row_end) row_end.push_back(before + end);
+    }
+};
+
+CastRows cast_rows(const Estimator& estimator, std::span<const PatchId> ids, const LevelPlan& plan, PatchNumber begin,
+                   PatchNumber end) {
+    CastRows rows;
+    std::vector<Landings> landings;
+    for (PatchNumber patch = begin; patch < end; ++patch) {
+        if (plan.levels[patch].empty()) continue;
+        estimator.cast(patch, plan.levels[patch], landings);
+        for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
+            rows.add(ids[patch], replicate, plan.levels[patch], landings[replicate]);
+    }
+    return rows;
+}
+
+/// Turns lists of landings into one evidence block without sorting them: targets are ranked once per block, then
+/// counted.
 class BlockBuilder {
   public:
-    explicit BlockBuilder(std::span<const PatchId> ids) : ids_(ids) {}
-
-    void add(PatchNumber patch, std::uint32_t replicate, LevelRange levels, const Landings& landings) {
-        block_.rows.push_back({ids_[patch], static_cast<std::uint8_t>(replicate), levels.first, levels.last,
-                               landings.open, landings.back, 0, 0});
-        landings_.insert(landings_.end(), landings.patches.begin(), landings.patches.end());
-        weights_.insert(weights_.end(), landings.weights.begin(), landings.weights.end());
-        row_end_.push_back(landings_.size());
+    BlockBuilder(std::span<const PatchId> ids, CastRows rows) : ids_(ids), cast_(std::move(rows)) {
+        block_.rows = std::move(cast_.rows);
     }
 
     EvidenceBlock finish() {
@@ -31,10 +66,10 @@ class BlockBuilder {
         TargetSums sums(block_.targets.size());
         std::size_t at = 0;
         for (std::size_t row = 0; row < block_.rows.size(); ++row) {
-            if (weights_.empty())
-                for (; at < row_end_[row]; ++at) sums.add(rank_[landings_[at]], 1);
+            if (cast_.weights.empty())
+                for (; at < cast_.row_end[row]; ++at) sums.add(rank_[cast_.landings[at]], 1);
             else
-                for (; at < row_end_[row]; ++at) sums.add(rank_[landings_[at]], weights_[at]);
+                for (; at < cast_.row_end[row]; ++at) sums.add(rank_[cast_.landings[at]], cast_.weights[at]);
             block_.rows[row].first = static_cast<std::uint32_t>(block_.counts.size());
             sums.drain([&](std::uint32_t rank, std::uint32_t count) {
                 block_.target_index.push_back(rank);
@@ -48,11 +83,12 @@ class BlockBuilder {
   private:
     void rank_targets() {
         std::vector<std::uint64_t> met((ids_.size() + 63) / 64);
-        for (const PatchNumber target : landings_) met[target / 64] |= std::uint64_t{1} << (target % 64);
+        for (const PatchNumber target : cast_.landings) met[target / 64] |= std::uint64_t{1} << (target % 64);
         std::vector<std::pair<PatchId, PatchNumber>> targets;
         for (std::size_t at = 0; at < met.size(); ++at)
             for (std::uint64_t word = met[at]; word; word &= word - 1) {
-                const auto target = static_cast<PatchNumber>(at * 64 + static_cast<std::size_t>(std::countr_zero(word)));
+                const auto target =
+                    static_cast<PatchNumber>(at * 64 + static_cast<std::size_t>(std::countr_zero(word)));
                 targets.emplace_back(ids_[target], target);
             }
         std::sort(targets.begin(), targets.end());
@@ -64,10 +100,8 @@ class BlockBuilder {
     }
 
     std::span<const PatchId> ids_;
+    CastRows cast_;
     EvidenceBlock block_;
-    std::vector<PatchNumber> landings_;
-    std::vector<std::uint32_t> weights_;  ///< one per landing, or empty: one estimator either weighs all or none
-    std::vector<std::size_t> row_end_;
     std::unique_ptr<std::uint32_t[]> rank_;
 };
 
@@ -81,15 +115,16 @@ EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout
                                    ChunkNumber chunk, std::size_t block, const LevelPlan& plan) {
     const auto begin = static_cast<PatchNumber>(layout.first_patch[chunk] + block * block_patches);
     const PatchNumber end = std::min<PatchNumber>(layout.first_patch[chunk + 1], begin + block_patches);
-    BlockBuilder builder(ids);
-    std::vector<Landings> landings;
-    for (PatchNumber patch = begin; patch < end; ++patch) {
-        if (plan.levels[patch].empty()) continue;
-        estimator.cast(patch, plan.levels[patch], landings);
-        for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
-            builder.add(patch, replicate, plan.levels[patch], landings[replicate]);
-    }
-    return builder.finish();
+    std::array<CastRows, block_patches / share_patches> shares;
+    // Isolated: who waits for the shares of a block must not begin another block meanwhile.
+    parallel_isolated(shares.size(), [&](std::size_t k) {
+        const auto first = static_cast<PatchNumber>(std::min<std::size_t>(end, begin + k * share_patches));
+        const auto last = static_cast<PatchNumber>(std::min<std::size_t>(end, first + share_patches));
+        shares[k] = cast_rows(estimator, ids, plan, first, last);
+    });
+    CastRows all;
+    for (const CastRows& share : shares) all.add(share);
+    return BlockBuilder(ids, std::move(all)).finish();
 }
 
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
@@ -104,7 +139,8 @@ void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout,
         first_record[block + 1] = evidence.rows.size();
         blocks[block] = BlockFileWriter::pack(encode_evidence(evidence), 1);
         const auto begin = static_cast<PatchNumber>(first + block * block_patches);
-        if (progress) progress->add(planned_rays(plan, estimator, begin, std::min<PatchNumber>(end, begin + block_patches)));
+        if (progress)
+            progress->add(planned_rays(plan, estimator, begin, std::min<PatchNumber>(end, begin + block_patches)));
     });
     BlockFileWriter file(path, FileKind::evidence, evidence_version, key);
     std::uint64_t record = 0;
