@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <memory>
+#include <optional>
 
 #include "baker/core/parallel.h"
 #include "baker/formfactors/target_sums.h"
@@ -17,65 +18,69 @@ constexpr std::size_t block_patches = 64;
 /// last.
 constexpr std::size_t share_patches = 8;
 
+/// Rows of more rays are counted at once: a lamp's million landings would fill the memory of a whole chunk.
+constexpr std::uint64_t counted_from_rays = 8192;
+
 /// What the rays of some patches met, row after row.
 struct CastRows {
     std::vector<EvidenceBlock::Row> rows;  ///< without their counts
     std::vector<PatchNumber> landings;
-    std::vector<std::uint32_t> weights;  ///< one per landing, or empty: one estimator either weighs all or none
+    std::vector<std::uint32_t> weights;  ///< one per landing, or empty: 1 each
     std::vector<std::size_t> row_end;    ///< in `landings`
 
-    void add(PatchId patch, std::uint32_t replicate, LevelRange levels, const Landings& found) {
-        rows.push_back(
-            {patch, static_cast<std::uint8_t>(replicate), levels.first, levels.last, found.open, found.back, 0, 0});
-        landings.insert(landings.end(), found.patches.begin(), found.patches.end());
-        weights.insert(weights.end(), found.weights.begin(), found.weights.end());
+    /// `sums`: of all patches, empty; null where landings are kept as they are.
+    void add(PatchId patch, std::uint32_t replicate, LevelRange levels, const Landings& found, TargetSums* sums) {
+        rows.push_back({patch, static_cast<std::uint8_t>(replicate), levels.first, levels.last, found.open, found.back, 0, 0});
+        if (sums) {
+            for (std::size_t k = 0; k < found.patches.size(); ++k)
+                sums->add(found.patches[k], found.weights.empty() ? 1 : found.weights[k]);
+            sums->drain([&](std::uint32_t target, std::uint32_t count) {
+                landings.push_back(target);
+                weights.push_back(count);
+            });
+        } else {
+            landings.insert(landings.end(), found.patches.begin(), found.patches.end());
+            weights.insert(weights.end(), found.weights.begin(), found.weights.end());
+        }
         row_end.push_back(landings.size());
-    }
-    void add(const CastRows& more) {
-        const std::size_t before = landings.size();
-        rows.insert(rows.end(), more.rows.begin(), more.rows.end());
-        landings.insert(landings.end(), more.landings.begin(), more.landings.end());
-        weights.insert(weights.end(), more.weights.begin(), more.weights.end());
-        for (const std::size_t end : more.row_end) row_end.push_back(before + end);
     }
 };
 
-CastRows cast_rows(const Estimator& estimator, std::span<const PatchId> ids, const LevelPlan& plan, PatchNumber begin,
-                   PatchNumber end) {
+CastRows cast_rows(const Estimator& estimator, std::span<const PatchId> ids, const LevelPlan& plan, PatchNumber begin, PatchNumber end) {
     CastRows rows;
+    std::optional<TargetSums> sums;
+    for (PatchNumber patch = begin; patch < end; ++patch)
+        if (!plan.levels[patch].empty() && estimator.rays_of(plan.levels[patch]) >= counted_from_rays && !sums) sums.emplace(ids.size());
     std::vector<Landings> landings;
     for (PatchNumber patch = begin; patch < end; ++patch) {
         if (plan.levels[patch].empty()) continue;
         estimator.cast(patch, plan.levels[patch], landings);
         for (std::uint32_t replicate = 0; replicate < landings.size(); ++replicate)
-            rows.add(ids[patch], replicate, plan.levels[patch], landings[replicate]);
+            rows.add(ids[patch], replicate, plan.levels[patch], landings[replicate], sums ? &*sums : nullptr);
     }
     return rows;
 }
 
-/// Turns lists of landings into one evidence block without sorting them: targets are ranked once per block, then
-/// counted.
+/// Turns what was met into one evidence block without sorting it: targets are ranked once per block, then counted.
 class BlockBuilder {
   public:
-    BlockBuilder(std::span<const PatchId> ids, CastRows rows) : ids_(ids), cast_(std::move(rows)) {
-        block_.rows = std::move(cast_.rows);
-    }
+    BlockBuilder(std::span<const PatchId> ids, std::span<const CastRows> shares) : ids_(ids), shares_(shares) {}
 
     EvidenceBlock finish() {
         rank_targets();
         TargetSums sums(block_.targets.size());
-        std::size_t at = 0;
-        for (std::size_t row = 0; row < block_.rows.size(); ++row) {
-            if (cast_.weights.empty())
-                for (; at < cast_.row_end[row]; ++at) sums.add(rank_[cast_.landings[at]], 1);
-            else
-                for (; at < cast_.row_end[row]; ++at) sums.add(rank_[cast_.landings[at]], cast_.weights[at]);
-            block_.rows[row].first = static_cast<std::uint32_t>(block_.counts.size());
-            sums.drain([&](std::uint32_t rank, std::uint32_t count) {
-                block_.target_index.push_back(rank);
-                block_.counts.push_back(count);
-            });
-            block_.rows[row].count = static_cast<std::uint32_t>(block_.counts.size()) - block_.rows[row].first;
+        for (const CastRows& share : shares_) {
+            std::size_t at = 0;
+            for (std::size_t row = 0; row < share.rows.size(); ++row) {
+                for (; at < share.row_end[row]; ++at) sums.add(rank_[share.landings[at]], share.weights.empty() ? 1 : share.weights[at]);
+                block_.rows.push_back(share.rows[row]);
+                block_.rows.back().first = static_cast<std::uint32_t>(block_.counts.size());
+                sums.drain([&](std::uint32_t rank, std::uint32_t count) {
+                    block_.target_index.push_back(rank);
+                    block_.counts.push_back(count);
+                });
+                block_.rows.back().count = static_cast<std::uint32_t>(block_.counts.size()) - block_.rows.back().first;
+            }
         }
         return std::move(block_);
     }
@@ -83,7 +88,8 @@ class BlockBuilder {
   private:
     void rank_targets() {
         std::vector<std::uint64_t> met((ids_.size() + 63) / 64);
-        for (const PatchNumber target : cast_.landings) met[target / 64] |= std::uint64_t{1} << (target % 64);
+        for (const CastRows& share : shares_)
+            for (const PatchNumber target : share.landings) met[target / 64] |= std::uint64_t{1} << (target % 64);
         std::vector<std::pair<PatchId, PatchNumber>> targets;
         for (std::size_t at = 0; at < met.size(); ++at)
             for (std::uint64_t word = met[at]; word; word &= word - 1) {
@@ -100,7 +106,7 @@ class BlockBuilder {
     }
 
     std::span<const PatchId> ids_;
-    CastRows cast_;
+    std::span<const CastRows> shares_;
     EvidenceBlock block_;
     std::unique_ptr<std::uint32_t[]> rank_;
 };
@@ -122,9 +128,7 @@ EvidenceBlock trace_evidence_block(const Estimator& estimator, const ChunkLayout
         const auto last = static_cast<PatchNumber>(std::min<std::size_t>(end, first + share_patches));
         shares[k] = cast_rows(estimator, ids, plan, first, last);
     });
-    CastRows all;
-    for (const CastRows& share : shares) all.add(share);
-    return BlockBuilder(ids, std::move(all)).finish();
+    return BlockBuilder(ids, shares).finish();
 }
 
 void write_chunk_evidence(const Estimator& estimator, const ChunkLayout& layout, std::span<const PatchId> ids,
