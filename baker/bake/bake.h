@@ -9,6 +9,7 @@
 #include "baker/bake/report.h"
 #include "baker/light/interpolate.h"
 #include "baker/output/lightmap_encode.h"
+#include "baker/solver/solve.h"
 #include "baker/unwrap/unwrap.h"
 
 namespace luxel {
@@ -44,6 +45,7 @@ struct BakeOptions {
     bool importance = true;              ///< choose by a thin first round who gets the rays; false: all the same
     double error = 0;                    ///< wanted relative standard error of the patches' light; 0: `rays` decides
     std::uint32_t closure_iterations = 16;
+    SolverKind solver = SolverKind::shoot;
     double tolerance = 1e-3;          ///< of the solve: bound of the relative error
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated

@@ -5,7 +5,7 @@
 #include "baker/bake/stage_files.h"
 #include "baker/light/patch_lamps.h"
 #include "baker/solver/energy_audit.h"
-#include "baker/solver/shoot.h"
+#include "baker/solver/solve.h"
 #include "baker/store/block_cache.h"
 
 namespace luxel {
@@ -67,7 +67,8 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, S
 }
 
 Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& matrix_key, double tolerance) {
-    return KeyBuilder("solution 1")
+    return KeyBuilder("solution 2")
+        .text(solver_names()[static_cast<std::size_t>(options.solver)])
         .key(matrix_key)
         .key(g.scene.light_key)
         .number(tolerance)
@@ -94,7 +95,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
         const ProgressFunction progress = clock.progress("pages read");
         if (progress)
             solve.progress = [&](std::uint64_t bytes, double) { progress(bytes / 4096, 0); };
-        solution.result = solve_by_shooting(cache, {solution.reflectance, sources.emission}, solve);
+        solution.result = luxel::solve(options.solver, cache, {solution.reflectance, sources.emission}, solve);
         save_solution(path, solution.key, solution.result);
         return false;
     });

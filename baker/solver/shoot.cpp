@@ -4,16 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "baker/core/parallel.h"
 #include "baker/solver/adjoint.h"
 #include "baker/solver/chunk_system.h"
 #include "baker/solver/coarse.h"
-#include "baker/solver/history.h"
+#include "baker/solver/solve_frame.h"
 #include "baker/solver/transport.h"
 #include "baker/solver/whole_read.h"
-#include "formats/base/error.h"
 
 namespace luxel {
 
@@ -37,14 +35,12 @@ struct ChunkSums {
 
 class Shooter {
   public:
-    Shooter(BlockSource& source, Transport& transport, const SolveInput& input, const SolveOptions& options,
-            const Channels& scale);
-    void run(SolveResult& result);
+    explicit Shooter(SolveFrame& frame);
+    SolveResult run();
 
   private:
     [[nodiscard]] double error_bound();
     [[nodiscard]] ChunkNumber best_chunk() const;
-    [[nodiscard]] double emitted(PatchNumber patch, std::size_t channel) const;  ///< M' in the solver's scale
     [[nodiscard]] bool is_slow(double bound);
     void shoot(ChunkNumber chunk);
     void coarse_step();
@@ -55,15 +51,9 @@ class Shooter {
     std::vector<Lanes> shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent);
     void weigh(ChunkNumber chunk);
     void weigh_all();
-    void finish(SolveResult& result) const;
 
-    BlockSource& source_;
-    const std::uint64_t total_bytes_;
+    SolveFrame& frame_;
     Transport& transport_;
-    const SolveInput& input_;
-    const SolveOptions& options_;
-    const Channels scale_;
-    std::vector<std::uint8_t> emits_;
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ChunkSums> sums_;
@@ -74,42 +64,24 @@ class Shooter {
     double window_start_bound_ = std::numeric_limits<double>::infinity();
 };
 
-std::vector<std::uint8_t> emitting(const SolveInput& input) {
-    std::vector<std::uint8_t> emits(input.emission.size());
-    for (std::size_t i = 0; i < emits.size(); ++i)
-        emits[i] = input.emission[i][0] > 0 || input.emission[i][1] > 0 || input.emission[i][2] > 0;
-    return emits;
-}
-
-Shooter::Shooter(BlockSource& source, Transport& transport, const SolveInput& input, const SolveOptions& options,
-                 const Channels& scale)
-    : source_(source),
-      total_bytes_(source.total_bytes()),
-      transport_(transport),
-      input_(input),
-      options_(options),
-      scale_(scale),
-      emits_(emitting(input)),
-      adjoint_(Adjoint::certify(transport, emits_)),
-      unshot_(input.emission.size(), {0, 0, 0}),
-      irradiance_(input.emission.size(), {0, 0, 0}),
-      sums_(transport.layout().chunk_count()) {
+Shooter::Shooter(SolveFrame& frame)
+    : frame_(frame),
+      transport_(frame.transport()),
+      adjoint_(Adjoint::certify(transport_, frame.emits())),
+      unshot_(transport_.layout().patch_count(), {0, 0, 0}),
+      irradiance_(unshot_.size(), {0, 0, 0}),
+      sums_(transport_.layout().chunk_count()) {
     for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
         const bool sends = transport_.row_bytes(chunk) > 0;
         for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
             for (std::size_t c = 0; c < 3; ++c) {
-                const double radiosity = emitted(i, c);
+                const double radiosity = frame_.emitted(i, c);
                 sums_[chunk].power[c] += transport_.area_m2(i) * radiosity;
                 // A chunk that sees nothing has nothing to send to.
                 if (sends) unshot_[i][c] = radiosity;
             }
     }
     weigh_all();
-}
-
-double Shooter::emitted(PatchNumber patch, std::size_t channel) const {
-    const double emission = input_.emission[patch][channel];
-    return emission > 0 ? emission * scale_[channel] / transport_.self_factor(patch, channel) : 0.0;
 }
 
 void Shooter::weigh(ChunkNumber chunk) {
@@ -136,14 +108,7 @@ double Shooter::error_bound() {
             negative[c] += sums.weighted_negative[c];
             power_[c] += sums.power[c];
         }
-    double bound = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        if (error[c] == 0) continue;
-        // After a coarse step the negative part may exceed the power for a while: then there is no lower bound yet.
-        const double lowest = power_[c] - negative[c];
-        bound = std::max(bound, lowest > 0 ? error[c] / lowest : std::numeric_limits<double>::infinity());
-    }
-    return bound;
+    return bound_of_error(error, negative, power_);
 }
 
 /// The chunk whose shot takes most from the bound per byte; the lowest number among equals.
@@ -178,7 +143,7 @@ std::vector<Lanes> Shooter::solve_inside(const ChunkSystem& system) {
     system.multiply(sent, right);
     Lanes limit;
     for (std::size_t c = 0; c < 3; ++c)
-        limit.v[c] = std::max(inner_share * sums.weighted[c], inner_tolerance_share * options_.tolerance * power_[c] /
+        limit.v[c] = std::max(inner_share * sums.weighted[c], inner_tolerance_share * frame_.options().tolerance * power_[c] /
                                                                   static_cast<double>(sums_.size()));
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
@@ -255,7 +220,7 @@ void Shooter::take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent) {
         const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
         for (std::size_t c = 0; c < 3; ++c) {
             const double reflect = transport_.scaled_reflectance(patch)[c];
-            const double sent_before = emitted(patch, c) + reflect * irradiance_[patch][c] - unshot_[patch][c];
+            const double sent_before = frame_.emitted(patch, c) + reflect * irradiance_[patch][c] - unshot_[patch][c];
             sent[i].v[c] = std::max(sent[i].v[c], std::min(0.0, -sent_before));
             unshot_[patch][c] -= sent[i].v[c];
         }
@@ -275,7 +240,7 @@ void Shooter::shoot(ChunkNumber chunk) {
     if (adjoint_.lower(transport_, system, gathered)) {
         weigh(chunk);
     } else {
-        adjoint_.certify_by_reads(transport_, emits_);
+        adjoint_.certify_by_reads(transport_, frame_.emits());
         weigh_all();
     }
 }
@@ -283,7 +248,7 @@ void Shooter::shoot(ChunkNumber chunk) {
 /// True at the end of a window of shots that brought too little.
 bool Shooter::is_slow(double bound) {
     const auto bytes = static_cast<double>(transport_.requested_bytes() - window_start_bytes_);
-    if (bytes < coarse_window_reads * static_cast<double>(total_bytes_)) return false;
+    if (bytes < coarse_window_reads * static_cast<double>(frame_.total_bytes())) return false;
     const bool slow = bound * coarse_if_slower_than > window_start_bound_;
     window_start_bytes_ = transport_.requested_bytes();
     window_start_bound_ = bound;
@@ -359,111 +324,29 @@ void Shooter::coarse_step() {
     });
 }
 
-void Shooter::run(SolveResult& result) {
-    const std::uint64_t total_bytes = total_bytes_, disk_bytes_before = source_.bytes_read();
-    const double allowed_bytes = static_cast<double>(options_.max_reads) * static_cast<double>(total_bytes);
-    History history;
+SolveResult Shooter::run() {
     for (;;) {
-        result.error_bound = error_bound();
-        const std::uint64_t bytes_read = source_.bytes_read() - disk_bytes_before;
-        history.add({bytes_read, result.error_bound});
-        if (options_.progress) options_.progress(bytes_read, result.error_bound);
-        if (total_bytes > 0) result.reads = static_cast<double>(bytes_read) / static_cast<double>(total_bytes);
-        result.converged = result.error_bound <= options_.tolerance;
-        if (result.converged) break;
-        if (is_slow(result.error_bound)) {
-            if (static_cast<double>(transport_.requested_bytes() + 2 * total_bytes) > allowed_bytes) break;
+        const double bound = error_bound();
+        if (frame_.is_done(bound)) break;
+        if (is_slow(bound)) {
+            if (!frame_.may_read(2 * frame_.total_bytes())) break;
             coarse_step();
             window_start_bytes_ = transport_.requested_bytes();
             continue;
         }
         const ChunkNumber chunk = best_chunk();
-        if (static_cast<double>(transport_.requested_bytes() + transport_.row_bytes(chunk)) > allowed_bytes) break;
+        if (!frame_.may_read(transport_.row_bytes(chunk))) break;
         shoot(chunk);
     }
-    result.history = history.take();
-    finish(result);
-}
-
-void Shooter::finish(SolveResult& result) const {
-    const std::size_t count = unshot_.size();
-    result.radiosity.resize(count);
-    result.unshot.resize(count);
-    result.irradiance.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto patch = static_cast<PatchNumber>(i);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double received = std::max(irradiance_[i][c], 0.0);
-            const double reflect = transport_.scaled_reflectance(patch)[c];
-            const double radiosity = emitted(patch, c) + reflect * received;
-            const double own = transport_.diagonal_m2(patch) / transport_.area_m2(patch) * radiosity;
-            result.radiosity[i][c] = radiosity / scale_[c];
-            result.unshot[i][c] = unshot_[i][c] / scale_[c];
-            result.irradiance[i][c] = std::max(received + own, 0.0) / scale_[c];
-        }
-    }
-}
-
-/// A power of two near 1 / largest emission per channel; 1 where there is none.
-Channels emission_scale(const SolveInput& input, std::array<bool, 3>& is_lit) {
-    Channels largest{0, 0, 0}, scale{1, 1, 1};
-    for (std::size_t i = 0; i < input.emission.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double emission = input.emission[i][c];
-            if (!(emission >= 0 && std::isfinite(emission)))
-                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
-                            "emission " + std::to_string(emission) + " is not a finite number of at least 0");
-            largest[c] = std::max(largest[c], emission);
-        }
-    for (std::size_t c = 0; c < 3; ++c) {
-        is_lit[c] = largest[c] > 0;
-        // 2^1000 is as far as a scale can go: denormal emissions stay small.
-        if (is_lit[c]) scale[c] = std::ldexp(1.0, std::clamp(-std::ilogb(largest[c]), -1000, 1000));
-    }
-    return scale;
-}
-
-/// Light that a patch sends to itself only never reaches the bound's sums.
-void refuse_endless_patches(const BlockSource& source, const SolveInput& input) {
-    for (std::size_t i = 0; i < input.emission.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double returned = static_cast<double>(input.reflectance[i][static_cast<int>(c)]) *
-                                    source.diagonal_m2()[i] / source.area_m2()[i];
-            if (input.emission[i][c] > 0 && returned > 1 - 1e-12)
-                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
-                            "the light never ends: the patch emits, reflects everything and sees only itself",
-                            "lower its reflectance below 1");
-        }
+    return frame_.finish(irradiance_, unshot_);
 }
 
 }  // namespace
 
 SolveResult solve_by_shooting(BlockSource& source, const SolveInput& input, const SolveOptions& options) {
-    const std::size_t count = source.layout().patch_count();
-    if (input.emission.size() != count || input.reflectance.size() != count)
-        throw Error(ErrorCode::internal, "solve", "reflectance and emission need one entry per patch");
-    flush_denormals();
-    SolveResult result;
-    result.solver = "shoot";
-    std::array<bool, 3> is_lit{};
-    const Channels scale = emission_scale(input, is_lit);
-    Transport transport(source, input.reflectance, is_lit);
-    bool reflects = false;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            reflects = reflects || transport.scaled_reflectance(static_cast<PatchNumber>(i))[c] > 0;
-    if (!reflects) {
-        result.radiosity.assign(input.emission.begin(), input.emission.end());
-        result.unshot = result.radiosity;
-        result.irradiance.assign(count, {0, 0, 0});
-        result.converged = true;
-        result.history.push_back({0, 0.0});
-        return result;
-    }
-    refuse_endless_patches(source, input);
-    Shooter shooter(source, transport, input, options, scale);
-    shooter.run(result);
-    return result;
+    SolveFrame frame(source, input, options, "shoot");
+    if (frame.is_trivial()) return frame.trivial_result();
+    return Shooter(frame).run();
 }
 
 }  // namespace luxel

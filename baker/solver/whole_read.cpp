@@ -1,6 +1,7 @@
 #include "baker/solver/whole_read.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "baker/core/parallel.h"
 
@@ -19,13 +20,10 @@ void add(std::span<const Lanes> part, Lanes* target) {
         for (std::size_t c = 0; c < 4; ++c) target[i].v[c] += part[i].v[c];
 }
 
-}  // namespace
-
-std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVector& x, const BlockSeen& seen) {
+/// `apply(index, block, part)` fills part.y_a and part.y_b, which are zero before.
+template <class Apply>
+std::vector<Lanes> sum_over_blocks(Transport& transport, std::span<const std::size_t> indexes, const Apply& apply) {
     std::vector<Lanes> y(transport.layout().patch_count());
-    std::vector<std::size_t> indexes;
-    for (std::size_t k = 0; k < transport.blocks().size(); ++k)
-        if (transport.blocks()[k].a != transport.blocks()[k].b) indexes.push_back(k);
     std::vector<Part> parts(transport_batch_blocks);
     for (std::size_t first = 0; first < indexes.size(); first += transport_batch_blocks) {
         const std::size_t batch = std::min(transport_batch_blocks, indexes.size() - first);
@@ -37,9 +35,7 @@ std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVect
             part.b = block.b;
             part.y_a.assign(transport.size(block.a), Lanes{});
             part.y_b.assign(transport.size(block.b), Lanes{});
-            const std::vector<Lanes> x_a = x(block.a);
-            apply_both(block, x_a, x(block.b), part.y_a, part.y_b);
-            if (seen) seen(indexes[first + k], x_a, part.y_a);
+            apply(indexes[first + k], block, part);
         });
         for (std::size_t k = 0; k < batch; ++k) {
             add(parts[k].y_a, y.data() + transport.first(parts[k].a));
@@ -47,6 +43,31 @@ std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVect
         }
     }
     return y;
+}
+
+}  // namespace
+
+std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVector& x, const BlockSeen& seen) {
+    std::vector<std::size_t> indexes;
+    for (std::size_t k = 0; k < transport.blocks().size(); ++k)
+        if (transport.blocks()[k].a != transport.blocks()[k].b) indexes.push_back(k);
+    return sum_over_blocks(transport, indexes, [&](std::size_t index, const Block& block, Part& part) {
+        const std::vector<Lanes> x_a = x(block.a);
+        apply_both(block, x_a, x(block.b), part.y_a, part.y_b);
+        if (seen) seen(index, x_a, part.y_a);
+    });
+}
+
+std::vector<Lanes> exchange_everywhere(Transport& transport, std::span<const Lanes> x) {
+    std::vector<std::size_t> indexes(transport.blocks().size());
+    std::iota(indexes.begin(), indexes.end(), std::size_t{0});
+    return sum_over_blocks(transport, indexes, [&](std::size_t, const Block& block, Part& part) {
+        const std::span<const Lanes> x_a = x.subspan(transport.first(block.a), transport.size(block.a));
+        if (block.a == block.b)
+            apply_diagonal(block, 0, part.y_a.size(), x_a, part.y_a);
+        else
+            apply_both(block, x_a, x.subspan(transport.first(block.b), transport.size(block.b)), part.y_a, part.y_b);
+    });
 }
 
 }  // namespace luxel

@@ -1,4 +1,4 @@
-/// One pass over all blocks between different chunks: y = G x for all patches at once.
+/// One pass over the blocks: y = G x for all patches at once.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -18,5 +18,8 @@ using BlockSeen = std::function<void(std::size_t block_index, std::span<const La
 /// concurrently. Memory: 32 bytes per patch and those of transport_batch_blocks pairs of chunks. The result does not
 /// depend on the number of threads. Throws what the source's load() throws.
 std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVector& x, const BlockSeen& seen);
+
+/// The same over all blocks, those of one chunk with itself too: sum over all j != i of G_ij x_j. `x`: one entry per patch.
+std::vector<Lanes> exchange_everywhere(Transport& transport, std::span<const Lanes> x);
 
 }  // namespace luxel

@@ -95,7 +95,7 @@ class Help(Case):
     # A value that differs from the default, for every option of `luxel bake`.
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
-              "--tolerance": "0.01", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
+              "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
               "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": ""}

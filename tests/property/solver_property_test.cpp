@@ -1,4 +1,4 @@
-/// Invariants of closure's matrices and of shooting over random scenes.
+/// Invariants of every solver over random scenes.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -7,7 +7,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/solver/energy_audit.h"
-#include "baker/solver/shoot.h"
+#include "baker/solver/solve.h"
 #include "tests/unit/solver/matrices.h"
 
 namespace luxel {
@@ -17,6 +17,7 @@ struct Scene {
     test::Matrix matrix;
     std::vector<Rgb> reflectance;
     std::vector<Channels> emission;
+    SolverKind solver = SolverKind::shoot;
 };
 
 /// Any density from nothing to everything, areas over up to 8 decades, open or closed, rooms, black patches.
@@ -30,18 +31,19 @@ Scene any_scene(float highest_reflectance) {
     want.closed = *rc::gen::arbitrary<bool>();
     want.rooms = *rc::gen::inRange<std::size_t>(1, 5);
     want.door = *rc::gen::element(0.3, 0.01, 1e-4);
-    Scene scene{test::random_matrix(want, seed), {}, test::random_emission(want.patches, seed + 1)};
+    Scene scene{test::random_matrix(want, seed), {}, test::random_emission(want.patches, seed + 1),
+                *rc::gen::element(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg)};
     const float highest = highest_reflectance * static_cast<float>(*rc::gen::inRange(0, 101)) / 100.0f;
     scene.reflectance = test::random_reflectance(want.patches, 0.0f, highest, seed + 2);
     for (std::size_t i = 0; i < want.patches; i += 7) scene.reflectance[i] = {0, 0, 0};
     return scene;
 }
 
-SolveResult shoot(const Scene& scene, double tolerance) {
+SolveResult solved(const Scene& scene, double tolerance) {
     MemoryBlocks blocks = scene.matrix.blocks();
     SolveOptions options;
     options.tolerance = tolerance;
-    return solve_by_shooting(blocks, {scene.reflectance, scene.emission}, options);
+    return solve(scene.solver, blocks, {scene.reflectance, scene.emission}, options);
 }
 
 /// sum A |H - H*| / sum A B*, the worst channel: the bound covers irradiance too.
@@ -65,10 +67,10 @@ double irradiance_error(const Scene& scene, const SolveResult& result) {
 double largest_ratio = 0, ratio_sum = 0;
 std::size_t ratio_count = 0;
 
-RC_GTEST_PROP(ShootProperty, ConvergesAndItsBoundIsNeverBelowTheTrueError, ()) {
+RC_GTEST_PROP(SolverProperty, ConvergesAndItsBoundIsNeverBelowTheTrueError, ()) {
     const Scene scene = any_scene(0.99f);
     const double tolerance = *rc::gen::element(0.1, 1e-3, 1e-6);
-    const SolveResult result = shoot(scene, tolerance);
+    const SolveResult result = solved(scene, tolerance);
     const double error = test::true_error(scene.matrix, scene.reflectance, scene.emission, result.radiosity);
     RC_ASSERT(result.converged);
     RC_ASSERT(result.error_bound <= tolerance);
@@ -103,33 +105,33 @@ class TightnessPrinter : public testing::Environment {
 };
 [[maybe_unused]] const testing::Environment* const printer = testing::AddGlobalTestEnvironment(new TightnessPrinter);
 
-RC_GTEST_PROP(ShootProperty, EnergyBalances, ()) {
+RC_GTEST_PROP(SolverProperty, EnergyBalances, ()) {
     const Scene scene = any_scene(0.99f);
-    const SolveResult result = shoot(scene, 1e-6);
+    const SolveResult result = solved(scene, 1e-6);
     const EnergyAudit audit =
         audit_energy(scene.matrix.area_m2, scene.matrix.row_open_m2(), {scene.reflectance, scene.emission}, result);
     RC_ASSERT(audit.imbalance <= 1e-4);
 }
 
-RC_GTEST_PROP(ShootProperty, WhiteScenesEndWhereLightCanLeave, ()) {
+RC_GTEST_PROP(SolverProperty, WhiteScenesEndWhereLightCanLeave, ()) {
     Scene scene = any_scene(1.0f);
     for (Rgb& reflectance : scene.reflectance) reflectance = {1, 1, 1};
     // Every patch loses a little. A patch that is nearly alone keeps most of its own light then, which no aggregate of
     // chunks describes: shots alone may need more reads than allowed, but what is said about the error must hold.
     for (std::size_t i = 0; i < scene.matrix.count(); ++i)
         scene.matrix.diagonal_m2[i] -= 0.01 * scene.matrix.area_m2[i];
-    const SolveResult result = shoot(scene, 1e-3);
+    const SolveResult result = solved(scene, 1e-3);
     RC_CLASSIFY(!result.converged, "stopped at max_reads");
     RC_ASSERT(test::true_error(scene.matrix, scene.reflectance, scene.emission, result.radiosity) <=
               result.error_bound + 1e-12);
 }
 
-RC_GTEST_PROP(ShootProperty, ThreadsDoNotChangeABit, ()) {
+RC_GTEST_PROP(SolverProperty, ThreadsDoNotChangeABit, ()) {
     const Scene scene = any_scene(0.99f);
     std::vector<SolveResult> results;
     for (const unsigned threads : {1u, 3u}) {
         const ThreadLimit limit(threads);
-        results.push_back(shoot(scene, 1e-4));
+        results.push_back(solved(scene, 1e-4));
     }
     RC_ASSERT(results[0].radiosity == results[1].radiosity);
     RC_ASSERT(results[0].error_bound == results[1].error_bound);

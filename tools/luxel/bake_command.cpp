@@ -32,7 +32,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
                                 encoding = "srgb8", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes;
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot";
     double texels_per_metre = 0, tolerance = 0, error = 0;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
@@ -86,6 +86,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
         if (o.store_bytes == 0) throw Error(ErrorCode::usage, "--store-bytes", "expected at least one byte", "--store none keeps nothing");
     }
     o.importance = a.importance == "on";
+    o.solver = *solver_kind(a.solver);
     o.error = a.error;
     o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
     o.encoding = parse_encoding(a.encoding);
@@ -114,6 +115,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"importance", a.importance},
             {"error", a.error > 0 ? fmt::format("{}", a.error) : "none"},
             {"gather-rays", std::to_string(o.gather_rays)},
+            {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
             {"encoding", a.encoding},
@@ -179,6 +181,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 1u << 20))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
+    command.add_option("--solver", a.solver, "shooting, gathering by strips, the plain series of bounces, or conjugate gradients; same light")
+        ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
     command.add_option("--interpolation", a.interpolation, "of drafts")

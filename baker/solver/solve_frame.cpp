@@ -1,0 +1,138 @@
+#include "baker/solver/solve_frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "baker/core/parallel.h"
+#include "formats/base/error.h"
+
+namespace luxel {
+namespace {
+
+/// A power of two near 1 / largest emission per channel; 1 where there is none.
+Channels emission_scale(const SolveInput& input, std::array<bool, 3>& is_lit) {
+    Channels largest{0, 0, 0}, scale{1, 1, 1};
+    for (std::size_t i = 0; i < input.emission.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double emission = input.emission[i][c];
+            if (!(emission >= 0 && std::isfinite(emission)))
+                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
+                            "emission " + std::to_string(emission) + " is not a finite number of at least 0");
+            largest[c] = std::max(largest[c], emission);
+        }
+    for (std::size_t c = 0; c < 3; ++c) {
+        is_lit[c] = largest[c] > 0;
+        // 2^1000 is as far as a scale can go: denormal emissions stay small.
+        if (is_lit[c]) scale[c] = std::ldexp(1.0, std::clamp(-std::ilogb(largest[c]), -1000, 1000));
+    }
+    return scale;
+}
+
+/// Light that a patch sends to itself only never reaches the bound's sums.
+void refuse_endless_patches(const BlockSource& source, const SolveInput& input) {
+    for (std::size_t i = 0; i < input.emission.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double returned = static_cast<double>(input.reflectance[i][static_cast<int>(c)]) *
+                                    source.diagonal_m2()[i] / source.area_m2()[i];
+            if (input.emission[i][c] > 0 && returned > 1 - 1e-12)
+                throw Error(ErrorCode::bad_input, "solve, patch " + std::to_string(i),
+                            "the light never ends: the patch emits, reflects everything and sees only itself",
+                            "lower its reflectance below 1");
+        }
+}
+
+const SolveInput& checked(const BlockSource& source, const SolveInput& input) {
+    const std::size_t count = source.layout().patch_count();
+    if (input.emission.size() != count || input.reflectance.size() != count)
+        throw Error(ErrorCode::internal, "solve", "reflectance and emission need one entry per patch");
+    flush_denormals();
+    return input;
+}
+
+}  // namespace
+
+SolveFrame::SolveFrame(BlockSource& source, const SolveInput& input, const SolveOptions& options, std::string solver)
+    : source_(source),
+      input_(checked(source, input)),
+      options_(options),
+      scale_(emission_scale(input, is_lit_)),
+      transport_(source, input.reflectance, is_lit_),
+      total_bytes_(source.total_bytes()),
+      disk_bytes_before_(source.bytes_read()) {
+    result_.solver = std::move(solver);
+    const std::size_t count = input.emission.size();
+    bool reflects = false;
+    emits_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        emits_[i] = input.emission[i][0] > 0 || input.emission[i][1] > 0 || input.emission[i][2] > 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            reflects = reflects || transport_.scaled_reflectance(static_cast<PatchNumber>(i))[c] > 0;
+    }
+    trivial_ = !reflects;
+    if (reflects) refuse_endless_patches(source, input);
+}
+
+SolveResult SolveFrame::trivial_result() const {
+    SolveResult result = result_;
+    result.radiosity.assign(input_.emission.begin(), input_.emission.end());
+    result.unshot = result.radiosity;
+    result.irradiance.assign(input_.emission.size(), {0, 0, 0});
+    result.converged = true;
+    result.history.push_back({0, 0.0});
+    return result;
+}
+
+double SolveFrame::emitted(PatchNumber patch, std::size_t channel) const {
+    const double emission = input_.emission[patch][channel];
+    return emission > 0 ? emission * scale_[channel] / transport_.self_factor(patch, channel) : 0.0;
+}
+
+bool SolveFrame::is_done(double error_bound) {
+    const std::uint64_t bytes_read = source_.bytes_read() - disk_bytes_before_;
+    history_.add({bytes_read, error_bound});
+    if (options_.progress) options_.progress(bytes_read, error_bound);
+    if (total_bytes_ > 0) result_.reads = static_cast<double>(bytes_read) / static_cast<double>(total_bytes_);
+    result_.error_bound = error_bound;
+    result_.converged = error_bound <= options_.tolerance;
+    return result_.converged;
+}
+
+bool SolveFrame::may_read(std::uint64_t bytes) const {
+    return static_cast<double>(transport_.requested_bytes() + bytes) <=
+           static_cast<double>(options_.max_reads) * static_cast<double>(total_bytes_);
+}
+
+SolveResult SolveFrame::finish(std::span<const Channels> irradiance, std::span<const Channels> unshot) {
+    SolveResult result = std::move(result_);
+    result.history = history_.take();
+    const std::size_t count = irradiance.size();
+    result.radiosity.resize(count);
+    result.unshot.resize(count);
+    result.irradiance.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto patch = static_cast<PatchNumber>(i);
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double received = std::max(irradiance[i][c], 0.0);
+            const double radiosity = emitted(patch, c) + transport_.scaled_reflectance(patch)[c] * received;
+            const double own = transport_.diagonal_m2(patch) / transport_.area_m2(patch) * radiosity;
+            result.radiosity[i][c] = radiosity / scale_[c];
+            result.unshot[i][c] = unshot[i][c] / scale_[c];
+            result.irradiance[i][c] = std::max(received + own, 0.0) / scale_[c];
+        }
+    }
+    return result;
+}
+
+double bound_of_error(const Channels& weighted_unshot, const Channels& negative_part, const Channels& power) {
+    double bound = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (weighted_unshot[c] == 0) continue;
+        // The negative part may exceed the power for a while: then there is no lower bound yet.
+        const double lowest = power[c] - negative_part[c];
+        bound = std::max(bound, lowest > 0 ? weighted_unshot[c] / lowest : std::numeric_limits<double>::infinity());
+    }
+    return bound;
+}
+
+}  // namespace luxel

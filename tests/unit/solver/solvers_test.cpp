@@ -1,0 +1,129 @@
+/// What every solver must do, for all of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "baker/core/parallel.h"
+#include "baker/solver/solve.h"
+#include "formats/base/error.h"
+#include "tests/unit/solver/matrices.h"
+
+namespace luxel {
+namespace {
+
+using test::Matrix;
+using test::random_matrix;
+
+class Solvers : public testing::TestWithParam<SolverKind> {
+  protected:
+    static SolveResult run(const Matrix& matrix, const std::vector<Rgb>& reflectance,
+                           const std::vector<Channels>& emission, double tolerance = 1e-3,
+                           std::uint64_t max_reads = 1000) {
+        MemoryBlocks blocks = matrix.blocks();
+        SolveOptions options;
+        options.tolerance = tolerance;
+        options.max_reads = max_reads;
+        return solve(GetParam(), blocks, {reflectance, emission}, options);
+    }
+    static std::vector<Rgb> grey(std::size_t count, float value) {
+        return std::vector<Rgb>(count, Rgb(value, value, value));
+    }
+};
+
+TEST_P(Solvers, FurnaceIsEmissionOverOneMinusReflectance) {
+    const Matrix matrix = random_matrix({.patches = 300, .chunk_patches = 64}, 1);
+    const std::vector<Channels> emission(matrix.count(), {1, 2, 3});
+    for (const float rho : {0.0f, 0.5f, 0.9f}) {
+        const SolveResult result = run(matrix, grey(matrix.count(), rho), emission, 1e-6);
+        ASSERT_TRUE(result.converged) << rho;
+        for (const Channels& b : result.radiosity)
+            for (std::size_t c = 0; c < 3; ++c)
+                EXPECT_NEAR(b[c] * (1 - static_cast<double>(rho)) / emission[0][c], 1.0, 1e-5);
+        std::printf("%s: furnace rho %.2f: bound %.2g, %.1f reads\n", result.solver.c_str(), static_cast<double>(rho),
+                    result.error_bound, result.reads);
+    }
+}
+
+TEST_P(Solvers, AgreeWithTheDenseSolutionWithinTheirBound) {
+    for (const float highest : {0.5f, 0.8f, 0.95f})
+        for (const bool closed : {false, true}) {
+            const Matrix matrix = random_matrix({.patches = 400, .chunk_patches = 50, .closed = closed, .rooms = 4}, 7);
+            const auto reflectance = test::random_reflectance(matrix.count(), highest * 0.6f, highest, 3);
+            const auto emission = test::random_emission(matrix.count(), 4);
+            const SolveResult result = run(matrix, reflectance, emission);
+            const double error = test::true_error(matrix, reflectance, emission, result.radiosity);
+            ASSERT_TRUE(result.converged);
+            EXPECT_LE(error, result.error_bound);
+            std::printf("%s: highest %.2f, %s: bound %.2e, true %.2e, %.1f reads\n", result.solver.c_str(),
+                        static_cast<double>(highest), closed ? "closed" : "open", result.error_bound, error,
+                        result.reads);
+        }
+}
+
+TEST_P(Solvers, TheBoundHoldsWhereverTheyStop) {
+    const Matrix matrix = random_matrix({.patches = 300, .chunk_patches = 40, .rooms = 3, .door = 0.05}, 9);
+    const auto reflectance = test::random_reflectance(matrix.count(), 0.2f, 0.98f, 3);
+    const auto emission = test::random_emission(matrix.count(), 4);
+    for (std::uint64_t reads = 1; reads < 12; ++reads) {
+        const SolveResult result = run(matrix, reflectance, emission, 1e-9, reads);
+        EXPECT_LE(test::true_error(matrix, reflectance, emission, result.radiosity), result.error_bound) << reads;
+        EXPECT_LE(result.reads, static_cast<double>(reads));
+    }
+}
+
+TEST_P(Solvers, BrightnessHasNoScale) {
+    const Matrix matrix = random_matrix({.patches = 60, .chunk_patches = 20}, 2);
+    const auto reflectance = test::random_reflectance(matrix.count(), 0.3f, 0.7f, 3);
+    auto emission = test::random_emission(matrix.count(), 4);
+    const SolveResult one = run(matrix, reflectance, emission);
+    for (const double factor : {0x1p-100, 0x1p+100}) {
+        auto scaled = emission;
+        for (Channels& m : scaled)
+            for (double& value : m) value *= factor;
+        const SolveResult other = run(matrix, reflectance, scaled);
+        for (std::size_t i = 0; i < matrix.count(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(other.radiosity[i][c], one.radiosity[i][c] * factor);
+    }
+}
+
+TEST_P(Solvers, NothingToDoCostsNoRead) {
+    const Matrix matrix = random_matrix({.patches = 30, .chunk_patches = 10}, 3);
+    const auto emission = test::random_emission(matrix.count(), 4);
+    const SolveResult black = run(matrix, grey(matrix.count(), 0), emission);
+    EXPECT_EQ(black.reads, 0);
+    EXPECT_EQ(black.radiosity, emission);
+    const SolveResult dark = run(matrix, grey(matrix.count(), 0.5f), std::vector<Channels>(matrix.count(), {0, 0, 0}));
+    EXPECT_TRUE(dark.converged);
+    EXPECT_EQ(dark.reads, 0);
+}
+
+TEST_P(Solvers, RefuseLightThatNeverEnds) {
+    const Matrix matrix = random_matrix({.patches = 30, .chunk_patches = 10}, 3);
+    EXPECT_THROW(run(matrix, grey(matrix.count(), 1), test::random_emission(matrix.count(), 4)), Error);
+}
+
+TEST_P(Solvers, ThreadsDoNotChangeABit) {
+    const Matrix matrix = random_matrix({.patches = 500, .chunk_patches = 30, .rooms = 3}, 5);
+    const auto reflectance = test::random_reflectance(matrix.count(), 0.3f, 0.9f, 3);
+    const auto emission = test::random_emission(matrix.count(), 4);
+    std::vector<SolveResult> results;
+    for (const unsigned threads : {1u, 2u, 3u}) {
+        const ThreadLimit limit(threads);
+        results.push_back(run(matrix, reflectance, emission));
+    }
+    for (const SolveResult& result : results) {
+        EXPECT_EQ(result.radiosity, results[0].radiosity);
+        EXPECT_EQ(result.irradiance, results[0].irradiance);
+        EXPECT_EQ(result.error_bound, results[0].error_bound);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Solvers,
+                         testing::Values(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
+                         [](const testing::TestParamInfo<SolverKind>& kind) {
+                             return std::string(solver_names()[static_cast<std::size_t>(kind.param)]);
+                         });
+
+}  // namespace
+}  // namespace luxel
