@@ -126,13 +126,14 @@ TEST_P(Calibration, TrueErrorsLieWithinTwoSigma) {
     expect_calibrated(o, "256 rays");
 }
 
-/// Stopping when the estimate says so must not make the estimate wrong.
+/// Stopping when the estimate says so must not make the estimate wrong. After 256 rays the stated error is 1.7 to 2 %: some runs stop
+/// there, and some go on.
 class CalibrationOfStopping : public Calibration {};
 
 TEST_P(CalibrationOfStopping, StoppingOnTheErrorDoesNotHideIt) {
     BakeOptions o = options();
-    o.error = 0.02;
-    expect_calibrated(o, "--error 0.02");
+    o.error = 0.018;
+    expect_calibrated(o, "--error 0.018");
 }
 
 INSTANTIATE_TEST_SUITE_P(Albedos, Calibration, testing::Values(0.5, 0.7, 0.95));
