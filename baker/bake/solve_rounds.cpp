@@ -82,6 +82,8 @@ class Rounds {
         return std::all_of(plan.levels.begin(), plan.levels.end(), [](LevelRange r) { return r.empty(); });
     }
 
+    static Key accuracy_key(const Key& solution) { return KeyBuilder("accuracy 2").key(solution).finish(); }
+
     void solve(double tolerance) {
         scene_.matrix = build_matrix(options_, g_, evidence_, folder_, plan_, clock_, report_);
         scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, clock_, report_);
@@ -120,7 +122,7 @@ class Rounds {
             report_.skipped.push_back({"accuracy", "the counts of the hemicube do not scatter: no standard error can be found from them"});
             return true;
         }
-        const Key key = KeyBuilder("accuracy 2").key(scene_.solution.key).finish();
+        const Key key = accuracy_key(scene_.solution.key);
         clock_.stage("accuracy", [&] {
             const auto path = folder_.accuracy(key);
             if (auto error = load_accuracy(path, key, g_.patches.count())) {
@@ -171,7 +173,7 @@ class Rounds {
         if (by_error()) {
             std::error_code ignored;
             const Key solution = solution_key(options_, g_, keys.closure, options_.tolerance);
-            std::filesystem::remove(folder_.accuracy(KeyBuilder("accuracy 2").key(solution).finish()), ignored);
+            std::filesystem::remove(folder_.accuracy(accuracy_key(solution)), ignored);
         }
     }
 

@@ -39,7 +39,7 @@ void order_by_direction(std::span<const float> u, std::span<const float> v, std:
     const auto count_bits = static_cast<std::uint32_t>(std::bit_width(u.size() | 1) - 1);
     const std::uint32_t bits = std::min(most_bits, count_bits / 2), drop = 2 * (most_bits - bits);
     const std::size_t cells = std::size_t{1} << (2 * bits);
-    std::array<std::uint16_t, most_points> place;
+    std::array<std::uint16_t, most_ordered_directions> place;
     for (std::size_t k = 0; k < u.size(); ++k)
         place[k] = static_cast<std::uint16_t>(place_of_cell[coordinate(v[k]) * side + coordinate(u[k])] >> drop);
     std::array<std::uint16_t, side * side + 1> begin;
