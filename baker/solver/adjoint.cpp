@@ -96,6 +96,15 @@ void solve_adjoint_rows(const Transport& transport, const ChunkSystem& system, s
     }
 }
 
+namespace {
+
+/// `others_m2`: sum over j != i of G_ij.
+bool row_fits(const Transport& transport, PatchNumber i, double others_m2) {
+    return (others_m2 + transport.diagonal_m2(i)) / transport.area_m2(i) <= 1 + row_excess_allowed;
+}
+
+}  // namespace
+
 Adjoint Adjoint::certify(Transport& transport, std::span<const std::uint8_t> emits, double loosest) {
     Adjoint adjoint;
     const ChunkLayout& layout = transport.layout();
@@ -131,6 +140,13 @@ void Adjoint::certify_by_reads(Transport& transport, std::span<const std::uint8_
     assumes_row_sums_ = false;
 }
 
+bool Adjoint::hold_for(const Transport& transport, PatchNumber first, std::span<const Lanes> exchange) const {
+    if (!assumes_row_sums_) return true;
+    for (std::size_t i = 0; i < exchange.size(); ++i)
+        if (!row_fits(transport, first + static_cast<PatchNumber>(i), exchange[i].v[3])) return false;
+    return true;
+}
+
 bool Adjoint::lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered) {
     const PatchNumber first = transport.first(system.chunk());
     const std::size_t count = system.size();
@@ -151,8 +167,7 @@ bool Adjoint::lower(const Transport& transport, const ChunkSystem& system, std::
             const bool good = rest > smallest_margin * w[i].v[c];
             raise.v[c] = std::max(raise.v[c], good ? wanted / rest : std::numeric_limits<double>::infinity());
         }
-        const double row = (gathered[i].v[3] + transport.diagonal_m2(patch)) / area_m2 + inside[i].v[3];
-        rows_fit = rows_fit && row <= 1 + row_excess_allowed;
+        rows_fit = rows_fit && row_fits(transport, patch, gathered[i].v[3] + inside[i].v[3] * area_m2);
     }
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c) {

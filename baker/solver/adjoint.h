@@ -44,9 +44,13 @@ class Adjoint {
 
     [[nodiscard]] const Channels& weight(PatchNumber patch) const { return weights_[patch]; }
 
+    /// Do the weights hold for these rows? `exchange`: of the patches from `first` on, the sum over all j != i of G_ij in the spare lane.
+    /// False if one is longer than allowed and the weights rely on rows not being so: then certify_by_reads() must follow before
+    /// the weights are used.
+    [[nodiscard]] bool hold_for(const Transport& transport, PatchNumber first, std::span<const Lanes> exchange) const;
+
     /// Lowers the weights of one chunk (property 2). `gathered`: sum over the patches j of all other chunks of
-    /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False if a row is longer than allowed
-    /// and the weights rely on rows not being so: then certify_by_reads() must follow before the weights are used.
+    /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False as in hold_for().
     [[nodiscard]] bool lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered);
 
   private:

@@ -24,11 +24,13 @@ class Conjugate {
           x_(count_),
           irradiance_(count_, {0, 0, 0}),
           unshot_(irradiance_) {
-        for (PatchNumber i = 0; i < count_; ++i)
+        for (PatchNumber i = 0; i < count_; ++i) {
             for (std::size_t c = 0; c < 3; ++c) {
                 scale_[i].v[c] = std::sqrt(transport_.scaled_reflectance(i)[c] / transport_.area_m2(i));
                 x_[i].v[c] = unshot_[i][c] = frame.emitted(i, c);
             }
+            x_[i].v[3] = 1;
+        }
     }
 
     SolveResult run() {
@@ -45,6 +47,7 @@ class Conjugate {
     /// B from one read of x, and what x lacks: U = B - x.
     void gather() {
         const std::vector<Lanes> exchange = exchange_everywhere(transport_, x_);
+        if (!adjoint_.hold_for(transport_, 0, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 irradiance_[i][c] = exchange[i].v[c] / transport_.area_m2(i);
@@ -55,15 +58,12 @@ class Conjugate {
 
     /// Of x and U.
     [[nodiscard]] double bound() const {
-        Channels weighted{0, 0, 0}, negative{0, 0, 0}, power{0, 0, 0};
+        ErrorSums sums;
         for (PatchNumber i = 0; i < count_; ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double w = transport_.area_m2(i) * adjoint_.weight(i)[c] * std::abs(unshot_[i][c]);
-                weighted[c] += w;
-                if (unshot_[i][c] < 0) negative[c] += w;
-                power[c] += transport_.area_m2(i) * (x_[i].v[c] + unshot_[i][c]);
-            }
-        return bound_of_error(weighted, negative, power);
+            for (std::size_t c = 0; c < 3; ++c)
+                sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c],
+                         transport_.area_m2(i) * (x_[i].v[c] + unshot_[i][c]));
+        return sums.bound();
     }
 
     /// Steps from the residual U of x until the bound is low enough for the last read, or reads run out.
@@ -71,7 +71,6 @@ class Conjugate {
         std::vector<Lanes> r(count_), p, q(count_);
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c) r[i].v[c] = scale_[i].v[c] > 0 ? unshot_[i][c] / scale_[i].v[c] : 0.0;
-        // Exactly: what does not reflect has nothing left once it has gathered.
         p = r;
         Channels rest = dot(r, r);
         while (frame_.may_read(2 * frame_.total_bytes())) {
@@ -87,12 +86,12 @@ class Conjugate {
                 }
             const double found = bound();
             if (found <= aim * frame_.options().tolerance) return;
-            (void)frame_.is_done(std::max(found, std::nextafter(frame_.options().tolerance, 1.0)));
+            frame_.note(found);
             const Channels next = dot(r, r);
+            if (next == Channels{0, 0, 0}) return;
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c)
                     p[i].v[c] = r[i].v[c] + (rest[c] > 0 ? next[c] / rest[c] : 0.0) * p[i].v[c];
-            if (next[0] >= rest[0] * 1e12 || (next[0] == 0 && next[1] == 0 && next[2] == 0)) return;
             rest = next;
         }
     }
@@ -118,7 +117,7 @@ class Conjugate {
     Transport& transport_;
     Adjoint adjoint_;
     const std::size_t count_;
-    std::vector<Lanes> scale_, x_;  ///< s; the radiosity that is being improved
+    std::vector<Lanes> scale_, x_;  ///< s; the radiosity that is being improved, 1 in the spare lane
     std::vector<Channels> irradiance_, unshot_;
 };
 

@@ -7,7 +7,7 @@
 /// read. Patches that reflect nothing have s = 0 and drop out; one more read at the end gathers for all patches, and
 /// its bound is that of the result. Source: Hestenes and Stiefel 1952.
 ///
-/// One read of the half matrix per step. Memory: 200 bytes per patch and those of whole_read.h. Threads, determinism
+/// One read of the half matrix per step. Memory: 300 bytes per patch and those of whole_read.h. Threads, determinism
 /// and errors as in shoot.h.
 #pragma once
 #include "baker/solver/solver.h"

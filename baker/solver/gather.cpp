@@ -2,32 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "baker/core/parallel.h"
 #include "baker/solver/adjoint.h"
-#include "baker/solver/chunk_system.h"
+#include "baker/solver/inner_solve.h"
 #include "baker/solver/solve_frame.h"
 #include "baker/solver/whole_read.h"
 
 namespace luxel {
 namespace {
-
-/// What the inner solve of a chunk leaves: a share of what it begins with, or, where that is more, so little that all
-/// chunks together leave this share of the tolerance.
-constexpr double inner_share = 1e-3, inner_tolerance_share = 0.1;
-constexpr std::uint32_t max_inner_iterations = 1000;
-
-/// Sums of what is still wrong and of the light, for bound_of_error().
-struct Sums {
-    Channels weighted{0, 0, 0}, negative{0, 0, 0}, power{0, 0, 0};
-    void add(std::size_t c, double weight, double wrong, double light) {
-        weighted[c] += weight * std::abs(wrong);
-        if (wrong < 0) negative[c] -= weight * wrong;
-        power[c] += light;
-    }
-    [[nodiscard]] double bound() const { return bound_of_error(weighted, negative, power); }
-};
 
 class Jacobi {
   public:
@@ -49,7 +32,7 @@ class Jacobi {
         return frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c];
     }
     double error_bound() {
-        Sums sums;
+        ErrorSums sums;
         for (PatchNumber i = 0; i < sent_.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 unshot_[i][c] = radiosity(i, c) - sent_[i].v[c];
@@ -60,8 +43,9 @@ class Jacobi {
     }
     void sweep() {
         for (PatchNumber i = 0; i < sent_.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) sent_[i].v[c] = radiosity(i, c);
+            sent_[i] = {{radiosity(i, 0), radiosity(i, 1), radiosity(i, 2), 1}};
         const std::vector<Lanes> exchange = exchange_everywhere(transport_, sent_);
+        if (!adjoint_.hold_for(transport_, 0, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         for (PatchNumber i = 0; i < sent_.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) irradiance_[i][c] = exchange[i].v[c] / transport_.area_m2(i);
     }
@@ -83,14 +67,11 @@ class Gatherer {
           below_(radiosity_.size()),
           irradiance_(radiosity_.size(), {0, 0, 0}),
           change_(irradiance_) {
-        for (PatchNumber i = 0; i < radiosity_.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                radiosity_[i].v[c] = frame.emitted(i, c);
-                power_[c] += transport_.area_m2(i) * radiosity_[i].v[c];
-            }
         // Before the first sweep nobody has received anything.
-        for (PatchNumber i = 0; i < radiosity_.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) change_[i][c] = radiosity_[i].v[c];
+        for (PatchNumber i = 0; i < radiosity_.size(); ++i) {
+            for (std::size_t c = 0; c < 3; ++c) radiosity_[i].v[c] = change_[i][c] = frame.emitted(i, c);
+            radiosity_[i].v[3] = 1;
+        }
     }
 
     SolveResult run() {
@@ -101,14 +82,12 @@ class Gatherer {
 
   private:
     double error_bound() {
-        Sums sums;
+        ErrorSums sums;
         for (PatchNumber i = 0; i < radiosity_.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 const double weight = transport_.area_m2(i) * adjoint_.weight(i)[c];
-                const double rest = started_ ? frame_.emitted(i, c) +
-                                                   transport_.scaled_reflectance(i)[c] * irradiance_[i][c] -
-                                                   radiosity_[i].v[c]
-                                             : 0.0;
+                const double rest =
+                    frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - radiosity_[i].v[c];
                 sums.add(c, weight, change_[i][c], transport_.area_m2(i) * radiosity_[i].v[c]);
                 // The rest may be of either sign beside the change.
                 sums.weighted[c] += weight * std::abs(rest);
@@ -119,7 +98,6 @@ class Gatherer {
     }
 
     void strip(ChunkNumber chunk) {
-        started_ = true;
         const PatchNumber first = transport_.first(chunk);
         const std::size_t count = transport_.size(chunk);
         std::vector<RowBlock> behind;
@@ -129,15 +107,18 @@ class Gatherer {
         Block diagonal;
         const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
         const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-        const std::vector<Lanes> solved = solve_inside(system, gathered);
-        std::vector<Lanes> inside;
-        system.multiply(solved, inside);
-        for (std::size_t i = 0; i < count; ++i)
+        std::vector<Lanes> solved = solve_gathered(system, gathered), exchange;
+        for (Lanes& of_patch : solved) of_patch.v[3] = 1;
+        system.multiply(solved, exchange);
+        for (std::size_t i = 0; i < count; ++i) {
+            const PatchNumber patch = first + static_cast<PatchNumber>(i);
+            for (std::size_t c = 0; c < 4; ++c) exchange[i].v[c] += gathered[i].v[c];
             for (std::size_t c = 0; c < 3; ++c) {
-                const PatchNumber patch = first + static_cast<PatchNumber>(i);
-                irradiance_[patch][c] = (gathered[i].v[c] + inside[i].v[c]) / transport_.area_m2(patch);
+                irradiance_[patch][c] = exchange[i].v[c] / transport_.area_m2(patch);
                 change_[patch][c] = solved[i].v[c] - radiosity_[patch].v[c];
             }
+        }
+        if (!adjoint_.hold_for(transport_, first, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         std::copy(solved.begin(), solved.end(), radiosity_.begin() + first);
         parallel_for(behind.size(), 1, [&](std::size_t k) {
             Block block;
@@ -167,57 +148,34 @@ class Gatherer {
             });
             for (std::size_t k = 0; k < batch; ++k)
                 for (std::size_t i = 0; i < gathered.size(); ++i)
-                    for (std::size_t c = 0; c < 3; ++c) gathered[i].v[c] += parts[k][i].v[c];
+                    for (std::size_t c = 0; c < 4; ++c) gathered[i].v[c] += parts[k][i].v[c];
         }
         return gathered;
     }
 
-    /// X = M' + rho' gathered / A + K_aa X, up to a rest that the bound hardly notices.
-    std::vector<Lanes> solve_inside(const ChunkSystem& system, std::span<const Lanes> gathered) const {
+    /// X = M' + rho' gathered / A + K_aa X. From the radiosity of the sweep before: where little has arrived since,
+    /// nothing changes at all.
+    std::vector<Lanes> solve_gathered(const ChunkSystem& system, std::span<const Lanes> gathered) {
         const PatchNumber first = transport_.first(system.chunk());
-        std::vector<Lanes> solved(gathered.size()), right, y(gathered.size()), weight(gathered.size());
+        std::vector<Lanes> arriving(gathered.size());
         for (std::size_t i = 0; i < gathered.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 const PatchNumber patch = first + static_cast<PatchNumber>(i);
-                solved[i].v[c] = frame_.emitted(patch, c) +
-                                 transport_.scaled_reflectance(patch)[c] * gathered[i].v[c] / transport_.area_m2(patch);
-                const double s = system.scale()[i].v[c];
-                weight[i].v[c] = s * transport_.area_m2(patch) * adjoint_.weight(patch)[c];
-                // From the radiosity of the sweep before: where little has arrived since, nothing changes at all.
-                y[i].v[c] = s > 0 ? (radiosity_[patch].v[c] - solved[i].v[c]) / s : 0.0;
+                arriving[i].v[c] = frame_.emitted(patch, c) + transport_.scaled_reflectance(patch)[c] *
+                                                                  gathered[i].v[c] / transport_.area_m2(patch);
             }
-        if (!system.has_pairs()) return solved;
-        // As in shooting: X = f + s y with (I - s G s) y = s G f.
-        system.multiply(solved, right);
-        for (std::size_t i = 0; i < right.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) right[i].v[c] *= system.scale()[i].v[c];
-        std::optional<Lanes> limit;
-        const auto stop = [&](std::span<const Lanes> residual) {
-            Lanes rest;
-            for (std::size_t i = 0; i < residual.size(); ++i)
-                for (std::size_t c = 0; c < 3; ++c) rest.v[c] += weight[i].v[c] * std::abs(residual[i].v[c]);
-            if (!limit) {
-                limit.emplace();
-                for (std::size_t c = 0; c < 3; ++c)
-                    limit->v[c] = std::max(inner_share * rest.v[c],
-                                           inner_tolerance_share * frame_.options().tolerance * power_[c] /
-                                               static_cast<double>(transport_.layout().chunk_count()));
-            }
-            return rest.v[0] <= limit->v[0] && rest.v[1] <= limit->v[1] && rest.v[2] <= limit->v[2];
-        };
-        system.solve(right, y, stop, max_inner_iterations);
-        for (std::size_t i = 0; i < solved.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) solved[i].v[c] += system.scale()[i].v[c] * y[i].v[c];
-        return solved;
+        return solve_inside(
+            transport_, adjoint_, system, arriving, of_chunk(radiosity_, system.chunk()),
+            {unnoticed_rest(frame_.options().tolerance, power_, transport_.layout().chunk_count()), inner_share});
     }
 
     SolveFrame& frame_;
     Transport& transport_;
     Adjoint adjoint_;
-    std::vector<Lanes> radiosity_, below_;  ///< x; sum of G_ij x_j over the chunks before, of this sweep
+    std::vector<Lanes> radiosity_;  ///< x; 1 in the spare lane, which yields row sums
+    std::vector<Lanes> below_;      ///< sum of G_ij x_j over the chunks before, of this sweep
     std::vector<Channels> irradiance_, change_;
     Channels power_{0, 0, 0};
-    bool started_ = false;
 };
 
 }  // namespace

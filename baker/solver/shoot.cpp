@@ -9,6 +9,7 @@
 #include "baker/solver/adjoint.h"
 #include "baker/solver/chunk_system.h"
 #include "baker/solver/coarse.h"
+#include "baker/solver/inner_solve.h"
 #include "baker/solver/solve_frame.h"
 #include "baker/solver/transport.h"
 #include "baker/solver/whole_read.h"
@@ -17,21 +18,9 @@ namespace luxel {
 
 namespace {
 
-/// A shot leaves at most this share of the chunk's unshot light inside it...
-constexpr double inner_share = 1e-3;
-/// ...or, where that is more, so little that all chunks together leave this share of the tolerance.
-constexpr double inner_tolerance_share = 0.1;
-constexpr std::uint32_t max_inner_iterations = 1000;
 /// Shots of so many whole reads that lower the bound by less than this factor are followed by a coarse step.
 constexpr double coarse_window_reads = 1.5;
 constexpr double coarse_if_slower_than = 10;
-
-/// Sums over the patches of one chunk, lm in the solver's scale.
-struct ChunkSums {
-    Channels power{0, 0, 0};              ///< sum A B
-    Channels weighted{0, 0, 0};           ///< sum A w |U|
-    Channels weighted_negative{0, 0, 0};  ///< the part of U < 0
-};
 
 class Shooter {
   public:
@@ -45,7 +34,7 @@ class Shooter {
     void shoot(ChunkNumber chunk);
     void coarse_step();
     void read_coarse_system();
-    std::vector<Lanes> solve_inside(const ChunkSystem& system);
+    [[nodiscard]] std::vector<Lanes> solve_unshot(const ChunkSystem& system) const;
     void take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent);
     void receive(ChunkNumber chunk, std::span<const Lanes> exchange);
     std::vector<Lanes> shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent);
@@ -56,7 +45,7 @@ class Shooter {
     Transport& transport_;
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
-    std::vector<ChunkSums> sums_;
+    std::vector<ErrorSums> sums_;  ///< per chunk
     Channels power_{0, 0, 0};             ///< sum A B
     std::optional<CoarseSystem> coarse_;  ///< and the shapes it is made for; only if shots alone are slow
     std::vector<Channels> shape_;
@@ -85,13 +74,13 @@ Shooter::Shooter(SolveFrame& frame)
 }
 
 void Shooter::weigh(ChunkNumber chunk) {
-    ChunkSums& sums = sums_[chunk];
-    sums.weighted = sums.weighted_negative = {0, 0, 0};
+    ErrorSums& sums = sums_[chunk];
+    sums.weighted = sums.negative = {0, 0, 0};
     for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const double weighted = transport_.area_m2(i) * adjoint_.weight(i)[c] * std::abs(unshot_[i][c]);
             sums.weighted[c] += weighted;
-            if (unshot_[i][c] < 0) sums.weighted_negative[c] += weighted;
+            if (unshot_[i][c] < 0) sums.negative[c] += weighted;
         }
 }
 
@@ -100,15 +89,15 @@ void Shooter::weigh_all() {
 }
 
 double Shooter::error_bound() {
-    Channels error{0, 0, 0}, negative{0, 0, 0};
-    power_ = {0, 0, 0};
-    for (const ChunkSums& sums : sums_)
+    ErrorSums all;
+    for (const ErrorSums& sums : sums_)
         for (std::size_t c = 0; c < 3; ++c) {
-            error[c] += sums.weighted[c];
-            negative[c] += sums.weighted_negative[c];
-            power_[c] += sums.power[c];
+            all.weighted[c] += sums.weighted[c];
+            all.negative[c] += sums.negative[c];
+            all.power[c] += sums.power[c];
         }
-    return bound_of_error(error, negative, power_);
+    power_ = all.power;
+    return all.bound();
 }
 
 /// The chunk whose shot takes most from the bound per byte; the lowest number among equals.
@@ -129,45 +118,21 @@ ChunkNumber Shooter::best_chunk() const {
     return best;
 }
 
-/// X = U + K_aa X up to a rest that the bound hardly notices. Whatever X is, what follows accounts for it exactly.
-std::vector<Lanes> Shooter::solve_inside(const ChunkSystem& system) {
+std::vector<Lanes> Shooter::solve_unshot(const ChunkSystem& system) const {
     const PatchNumber first = transport_.first(system.chunk());
-    const std::size_t count = system.size();
-    const ChunkSums& sums = sums_[system.chunk()];
-    std::vector<Lanes> sent(count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < 3; ++c) sent[i].v[c] = unshot_[first + i][c];
-    if (!system.has_pairs()) return sent;
-    // X = U + s y with (I - s G s) y = s G U; a residual r in y leaves s r unshot.
-    std::vector<Lanes> right, y(count), residual_weight(count);
-    system.multiply(sent, right);
-    Lanes limit;
+    std::vector<Lanes> unshot(system.size());
+    for (std::size_t i = 0; i < unshot.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) unshot[i].v[c] = unshot_[first + i][c];
+    InnerRest rest{unnoticed_rest(frame_.options().tolerance, power_, sums_.size())};
     for (std::size_t c = 0; c < 3; ++c)
-        limit.v[c] = std::max(inner_share * sums.weighted[c], inner_tolerance_share * frame_.options().tolerance * power_[c] /
-                                                                  static_cast<double>(sums_.size()));
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < 3; ++c) {
-            const PatchNumber patch = first + static_cast<PatchNumber>(i);
-            const double s = system.scale()[i].v[c];
-            right[i].v[c] *= s;
-            residual_weight[i].v[c] = s * transport_.area_m2(patch) * adjoint_.weight(patch)[c];
-        }
-    const auto stop = [&](std::span<const Lanes> residual) {
-        Lanes rest;
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t c = 0; c < 3; ++c) rest.v[c] += residual_weight[i].v[c] * std::abs(residual[i].v[c]);
-        return rest.v[0] <= limit.v[0] && rest.v[1] <= limit.v[1] && rest.v[2] <= limit.v[2];
-    };
-    system.solve(right, y, stop, max_inner_iterations);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < 3; ++c) sent[i].v[c] += system.scale()[i].v[c] * y[i].v[c];
-    return sent;
+        rest.allowed[c] = std::max(rest.allowed[c], inner_share * sums_[system.chunk()].weighted[c]);
+    return solve_inside(transport_, adjoint_, system, unshot, unshot, rest);
 }
 
 /// exchange = sum over some patches j of G_ij times what j sent: adds it to irradiance, radiosity and unshot of the
 /// chunk.
 void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
-    ChunkSums& sums = sums_[chunk];
+    ErrorSums& sums = sums_[chunk];
     for (std::size_t i = 0; i < exchange.size(); ++i) {
         const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -231,7 +196,7 @@ void Shooter::shoot(ChunkNumber chunk) {
     Block diagonal;
     const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
     const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-    std::vector<Lanes> sent = solve_inside(system);
+    std::vector<Lanes> sent = solve_unshot(system);
     take_from_unshot(chunk, sent);
     std::vector<Lanes> exchange;
     system.multiply(sent, exchange);

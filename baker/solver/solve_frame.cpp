@@ -88,11 +88,15 @@ double SolveFrame::emitted(PatchNumber patch, std::size_t channel) const {
     return emission > 0 ? emission * scale_[channel] / transport_.self_factor(patch, channel) : 0.0;
 }
 
-bool SolveFrame::is_done(double error_bound) {
+void SolveFrame::note(double error_bound) {
     const std::uint64_t bytes_read = source_.bytes_read() - disk_bytes_before_;
     history_.add({bytes_read, error_bound});
     if (options_.progress) options_.progress(bytes_read, error_bound);
     if (total_bytes_ > 0) result_.reads = static_cast<double>(bytes_read) / static_cast<double>(total_bytes_);
+}
+
+bool SolveFrame::is_done(double error_bound) {
+    note(error_bound);
     result_.error_bound = error_bound;
     result_.converged = error_bound <= options_.tolerance;
     return result_.converged;
@@ -124,15 +128,21 @@ SolveResult SolveFrame::finish(std::span<const Channels> irradiance, std::span<c
     return result;
 }
 
-double bound_of_error(const Channels& weighted_unshot, const Channels& negative_part, const Channels& power) {
-    double bound = 0;
+void ErrorSums::add(std::size_t channel, double weight, double unshot, double power_lm) {
+    weighted[channel] += weight * std::abs(unshot);
+    if (unshot < 0) negative[channel] += weight * std::abs(unshot);
+    power[channel] += power_lm;
+}
+
+double ErrorSums::bound() const {
+    double worst = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-        if (weighted_unshot[c] == 0) continue;
+        if (weighted[c] == 0) continue;
         // The negative part may exceed the power for a while: then there is no lower bound yet.
-        const double lowest = power[c] - negative_part[c];
-        bound = std::max(bound, lowest > 0 ? weighted_unshot[c] / lowest : std::numeric_limits<double>::infinity());
+        const double lowest = power[c] - negative[c];
+        worst = std::max(worst, lowest > 0 ? weighted[c] / lowest : std::numeric_limits<double>::infinity());
     }
-    return bound;
+    return worst;
 }
 
 }  // namespace luxel

@@ -33,7 +33,9 @@ class SolveFrame {
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
-    /// Notes where the solve is. True: the bound is met.
+    /// Notes where the solve is, for history and progress.
+    void note(double error_bound);
+    /// note() of a state that may be the result. True: the bound is met.
     bool is_done(double error_bound);
     /// May so many bytes more be read?
     [[nodiscard]] bool may_read(std::uint64_t bytes) const;
@@ -56,8 +58,16 @@ class SolveFrame {
     SolveResult result_;
 };
 
-/// An upper bound of sum A |B* - B| over sum A B*, the worst channel, from three sums per channel: of A w |U|
-/// (adjoint.h), of its part with U < 0, and of A B. Infinite while there is no lower bound of the light.
-double bound_of_error(const Channels& weighted_unshot, const Channels& negative_part, const Channels& power);
+/// An upper bound of sum A |B* - B| over sum A B*, the worst channel. Without a unit; infinite while there is no lower
+/// bound of the light.
+struct ErrorSums {
+    Channels weighted{0, 0, 0};  ///< sum A w |U|, lm in the solver's scale (adjoint.h)
+    Channels negative{0, 0, 0};  ///< the part of it where U < 0
+    Channels power{0, 0, 0};     ///< sum A B
+
+    /// One patch in one channel: `weight` is A w, `power_lm` is A B.
+    void add(std::size_t channel, double weight, double unshot, double power_lm);
+    [[nodiscard]] double bound() const;
+};
 
 }  // namespace luxel

@@ -231,24 +231,6 @@ TEST(Shoot, AreasOverTwelveOrdersOfMagnitude) {
     }
 }
 
-TEST(Shoot, SameBitsForAnyNumberOfThreads) {
-    const Matrix matrix = random_matrix({.patches = 900, .chunk_patches = 450, .density = 0.9, .closed = false}, 6);
-    for (const float highest : {0.9f, 1.0f}) {
-        const auto reflectance = test::random_reflectance(900, 0.1f, highest, 3);
-        const auto emission = test::random_emission(900, 4);
-        std::vector<SolveResult> results;
-        for (const unsigned threads : {1u, 2u, 5u}) {
-            const ThreadLimit limit(threads);
-            results.push_back(shoot(matrix, reflectance, emission));
-        }
-        for (const SolveResult& result : results) {
-            EXPECT_EQ(result.radiosity, results[0].radiosity);
-            EXPECT_EQ(result.unshot, results[0].unshot);
-            EXPECT_EQ(result.error_bound, results[0].error_bound);
-        }
-    }
-}
-
 TEST(Shoot, ChunkLayoutsAgree) {
     Matrix matrix = random_matrix({.patches = 256, .chunk_patches = 256, .closed = false, .rooms = 4}, 6);
     const auto reflectance = test::random_reflectance(256, 0.1f, 0.9f, 3);
