@@ -94,7 +94,10 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
         solve.tolerance = tolerance;
         const ProgressFunction progress = clock.progress("pages read");
         if (progress)
-            solve.progress = [&](std::uint64_t bytes, double) { progress(bytes / 4096, 0); };
+            solve.step = [&](const SolveView& view) {
+                progress(view.bytes_read() / 4096, 0);
+                return true;
+            };
         solution.result = luxel::solve(options.solver, cache, {solution.reflectance, sources.emission}, solve);
         save_solution(path, solution.key, solution.result);
         return false;

@@ -140,6 +140,25 @@ void Adjoint::certify_by_reads(Transport& transport, std::span<const std::uint8_
     assumes_row_sums_ = false;
 }
 
+std::vector<double> Adjoint::save(const Transport& transport) const {
+    std::vector<double> numbers{assumes_row_sums_ ? 1.0 : 0.0};
+    numbers.reserve(1 + 3 * weights_.size());
+    for (PatchNumber i = 0; i < weights_.size(); ++i)  // weights are at least 1: 0 is free to say "forgotten"
+        for (std::size_t c = 0; c < 3; ++c) numbers.push_back(transport.is_forgotten(i) ? 0.0 : weights_[i][c]);
+    return numbers;
+}
+
+Adjoint Adjoint::restore(Transport& transport, std::span<const double> numbers) {
+    Adjoint adjoint;
+    adjoint.assumes_row_sums_ = numbers[0] > 0;
+    adjoint.weights_.resize(transport.layout().patch_count());
+    for (PatchNumber i = 0; i < adjoint.weights_.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) adjoint.weights_[i][c] = std::max(numbers[1 + 3 * std::size_t{i} + c], 1.0);
+        if (numbers[1 + 3 * std::size_t{i}] == 0) transport.forget(i);
+    }
+    return adjoint;
+}
+
 bool Adjoint::hold_for(const Transport& transport, PatchNumber first, std::span<const Lanes> exchange) const {
     if (!assumes_row_sums_) return true;
     for (std::size_t i = 0; i < exchange.size(); ++i)

@@ -42,6 +42,15 @@ class Adjoint {
     /// Certifies by reads whatever the reflectances: needs no assumption about row sums.
     void certify_by_reads(Transport& transport, std::span<const std::uint8_t> emits);
 
+    /// Everything as numbers, one more than three per patch, and back from them. Patches that the certificate made transport forget are
+    /// forgotten again.
+    [[nodiscard]] std::vector<double> save(const Transport& transport) const;
+    static Adjoint restore(Transport& transport, std::span<const double> numbers);
+    /// restore() from the first of the vectors of a saved solve, certify() where there is none.
+    static Adjoint begin(Transport& transport, std::span<const std::uint8_t> emits, const std::vector<std::vector<double>>* saved) {
+        return saved ? restore(transport, saved->front()) : certify(transport, emits);
+    }
+
     [[nodiscard]] const Channels& weight(PatchNumber patch) const { return weights_[patch]; }
 
     /// Do the weights hold for these rows? `exchange`: of the patches from `first` on, the sum over all j != i of G_ij in the spare lane.

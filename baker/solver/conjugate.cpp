@@ -13,17 +13,20 @@ namespace {
 /// The last read may show that rounding has let the residual drift: the steps aim a little lower than asked.
 constexpr double aim = 0.9;
 
-class Conjugate {
+class Conjugate final : public SolverVectors {
   public:
     explicit Conjugate(SolveFrame& frame)
         : frame_(frame),
           transport_(frame.transport()),
-          adjoint_(Adjoint::certify(transport_, frame.emits())),
+          saved_(frame.resumed(sizes())),
+          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
           count_(transport_.layout().patch_count()),
           scale_(count_),
           x_(count_),
           irradiance_(count_, {0, 0, 0}),
-          unshot_(irradiance_) {
+          unshot_(irradiance_),
+          r_(count_),
+          p_(count_) {
         for (PatchNumber i = 0; i < count_; ++i) {
             for (std::size_t c = 0; c < 3; ++c) {
                 scale_[i].v[c] = std::sqrt(transport_.scaled_reflectance(i)[c] / transport_.area_m2(i));
@@ -31,19 +34,46 @@ class Conjugate {
             }
             x_[i].v[3] = 1;
         }
+        if (saved_) restore();
     }
 
     SolveResult run() {
-        bool done = frame_.is_done(bound());
-        while (!done && frame_.may_read(frame_.total_bytes())) {
-            gather();
-            done = frame_.is_done(bound());
-            if (!done) improve();
+        bool done = !stepping_ && frame_.is_done(bound(), *this);
+        while (!done) {
+            if (!stepping_) {
+                if (!frame_.may_read(frame_.total_bytes())) break;
+                gather();
+                if (frame_.is_done(bound(), *this)) break;
+                begin_steps();
+            }
+            done = improve();
+            stepping_ = false;
         }
-        return frame_.finish(irradiance_, unshot_);
+        return frame_.finish(*this);
+    }
+
+    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
+    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
+    [[nodiscard]] std::vector<std::vector<double>> save() const override {
+        return {adjoint_.save(transport_), {stepping_ ? 1.0 : 0.0, rest_[0], rest_[1], rest_[2]},
+                to_numbers<Lanes>(x_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(r_), to_numbers<Lanes>(p_)};
     }
 
   private:
+    [[nodiscard]] std::array<std::size_t, 7> sizes() const {
+        const std::size_t count = transport_.layout().patch_count();
+        return {1 + 3 * count, 4, 4 * count, 3 * count, 3 * count, 4 * count, 4 * count};
+    }
+    void restore() {
+        stepping_ = (*saved_)[1][0] > 0;
+        std::copy_n((*saved_)[1].begin() + 1, 3, rest_.begin());
+        from_numbers((*saved_)[2], x_);
+        from_numbers((*saved_)[3], irradiance_);
+        from_numbers((*saved_)[4], unshot_);
+        from_numbers((*saved_)[5], r_);
+        from_numbers((*saved_)[6], p_);
+    }
+
     /// B from one read of x, and what x lacks: U = B - x.
     void gather() {
         const std::vector<Lanes> exchange = exchange_everywhere(transport_, x_);
@@ -66,34 +96,41 @@ class Conjugate {
         return sums.bound();
     }
 
-    /// Steps from the residual U of x until the bound is low enough for the last read, or reads run out.
-    void improve() {
-        std::vector<Lanes> r(count_), p, q(count_);
+    /// The residual U of x is the first direction.
+    void begin_steps() {
         for (PatchNumber i = 0; i < count_; ++i)
-            for (std::size_t c = 0; c < 3; ++c) r[i].v[c] = scale_[i].v[c] > 0 ? unshot_[i][c] / scale_[i].v[c] : 0.0;
-        p = r;
-        Channels rest = dot(r, r);
+            for (std::size_t c = 0; c < 3; ++c) r_[i].v[c] = scale_[i].v[c] > 0 ? unshot_[i][c] / scale_[i].v[c] : 0.0;
+        p_ = r_;
+        rest_ = dot(r_, r_);
+        stepping_ = true;
+    }
+
+    /// Steps until the bound is low enough for the last read, or reads run out. True: the caller wants no more.
+    bool improve() {
+        std::vector<Lanes> q(count_);
         while (frame_.may_read(2 * frame_.total_bytes())) {
-            apply(p, q);
-            const Channels curvature = dot(p, q);
+            apply(p_, q);
+            const Channels curvature = dot(p_, q);
             Channels step{0, 0, 0};
-            for (std::size_t c = 0; c < 3; ++c) step[c] = curvature[c] > 0 ? rest[c] / curvature[c] : 0.0;
+            for (std::size_t c = 0; c < 3; ++c) step[c] = curvature[c] > 0 ? rest_[c] / curvature[c] : 0.0;
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c) {
-                    x_[i].v[c] += scale_[i].v[c] * step[c] * p[i].v[c];
-                    r[i].v[c] -= step[c] * q[i].v[c];
-                    unshot_[i][c] = scale_[i].v[c] * r[i].v[c];
+                    x_[i].v[c] += scale_[i].v[c] * step[c] * p_[i].v[c];
+                    r_[i].v[c] -= step[c] * q[i].v[c];
+                    unshot_[i][c] = scale_[i].v[c] * r_[i].v[c];
+                    const double reflects = transport_.scaled_reflectance(i)[c];
+                    if (reflects > 0) irradiance_[i][c] = (x_[i].v[c] + unshot_[i][c] - frame_.emitted(i, c)) / reflects;
                 }
             const double found = bound();
-            if (found <= aim * frame_.options().tolerance) return;
-            frame_.note(found);
-            const Channels next = dot(r, r);
-            if (next == Channels{0, 0, 0}) return;
+            const Channels next = dot(r_, r_);
+            if (found <= aim * frame_.options().tolerance || next == Channels{0, 0, 0}) return false;
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    p[i].v[c] = r[i].v[c] + (rest[c] > 0 ? next[c] / rest[c] : 0.0) * p[i].v[c];
-            rest = next;
+                    p_[i].v[c] = r_[i].v[c] + (rest_[c] > 0 ? next[c] / rest_[c] : 0.0) * p_[i].v[c];
+            rest_ = next;
+            if (frame_.note(found, *this)) return true;
         }
+        return false;
     }
 
     /// q = (I - s G s) p.
@@ -115,10 +152,15 @@ class Conjugate {
 
     SolveFrame& frame_;
     Transport& transport_;
+    const std::vector<std::vector<double>>* saved_;
     Adjoint adjoint_;
     const std::size_t count_;
     std::vector<Lanes> scale_, x_;  ///< s; the radiosity that is being improved, 1 in the spare lane
     std::vector<Channels> irradiance_, unshot_;
+    // Of the steps: residual and direction in the symmetric form, the residual's square.
+    bool stepping_ = false;
+    std::vector<Lanes> r_, p_;
+    Channels rest_{0, 0, 0};
 };
 
 }  // namespace

@@ -12,22 +12,37 @@
 namespace luxel {
 namespace {
 
-class Jacobi {
+class Jacobi final : public SolverVectors {
   public:
     explicit Jacobi(SolveFrame& frame)
         : frame_(frame),
           transport_(frame.transport()),
-          adjoint_(Adjoint::certify(transport_, frame.emits())),
+          saved_(frame.resumed(sizes())),
+          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
           sent_(transport_.layout().patch_count()),
           irradiance_(sent_.size(), {0, 0, 0}),
-          unshot_(irradiance_) {}
+          unshot_(irradiance_) {
+        if (!saved_) return;
+        from_numbers((*saved_)[1], irradiance_);
+        from_numbers((*saved_)[2], sent_);
+    }
 
     SolveResult run() {
-        while (!frame_.is_done(error_bound()) && frame_.may_read(frame_.total_bytes())) sweep();
-        return frame_.finish(irradiance_, unshot_);
+        while (!frame_.is_done(error_bound(), *this) && frame_.may_read(frame_.total_bytes())) sweep();
+        return frame_.finish(*this);
+    }
+
+    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
+    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
+    [[nodiscard]] std::vector<std::vector<double>> save() const override {
+        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers<Lanes>(sent_)};
     }
 
   private:
+    [[nodiscard]] std::array<std::size_t, 3> sizes() const {
+        const std::size_t count = transport_.layout().patch_count();
+        return {1 + 3 * count, 3 * count, 4 * count};
+    }
     [[nodiscard]] double radiosity(PatchNumber i, std::size_t c) const {
         return frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c];
     }
@@ -52,17 +67,19 @@ class Jacobi {
 
     SolveFrame& frame_;
     Transport& transport_;
+    const std::vector<std::vector<double>>* saved_;
     Adjoint adjoint_;
     std::vector<Lanes> sent_;
     std::vector<Channels> irradiance_, unshot_;
 };
 
-class Gatherer {
+class Gatherer final : public SolverVectors {
   public:
     explicit Gatherer(SolveFrame& frame)
         : frame_(frame),
           transport_(frame.transport()),
-          adjoint_(Adjoint::certify(transport_, frame.emits())),
+          saved_(frame.resumed(sizes())),
+          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
           radiosity_(transport_.layout().patch_count()),
           below_(radiosity_.size()),
           irradiance_(radiosity_.size(), {0, 0, 0}),
@@ -72,15 +89,29 @@ class Gatherer {
             for (std::size_t c = 0; c < 3; ++c) radiosity_[i].v[c] = change_[i][c] = frame.emitted(i, c);
             radiosity_[i].v[3] = 1;
         }
+        if (!saved_) return;
+        from_numbers((*saved_)[1], irradiance_);
+        from_numbers((*saved_)[2], change_);
+        from_numbers((*saved_)[3], radiosity_);
     }
 
     SolveResult run() {
-        while (!frame_.is_done(error_bound()) && frame_.may_read(2 * frame_.total_bytes()))
+        while (!frame_.is_done(error_bound(), *this) && frame_.may_read(2 * frame_.total_bytes()))
             for (ChunkNumber chunk = 0; chunk < transport_.layout().chunk_count(); ++chunk) strip(chunk);
-        return frame_.finish(irradiance_, change_);
+        return frame_.finish(*this);
+    }
+
+    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
+    [[nodiscard]] std::span<const Channels> unshot() const override { return change_; }
+    [[nodiscard]] std::vector<std::vector<double>> save() const override {
+        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(radiosity_)};
     }
 
   private:
+    [[nodiscard]] std::array<std::size_t, 4> sizes() const {
+        const std::size_t count = transport_.layout().patch_count();
+        return {1 + 3 * count, 3 * count, 3 * count, 4 * count};
+    }
     double error_bound() {
         ErrorSums sums;
         for (PatchNumber i = 0; i < radiosity_.size(); ++i)
@@ -171,6 +202,7 @@ class Gatherer {
 
     SolveFrame& frame_;
     Transport& transport_;
+    const std::vector<std::vector<double>>* saved_;
     Adjoint adjoint_;
     std::vector<Lanes> radiosity_;  ///< x; 1 in the spare lane, which yields row sums
     std::vector<Lanes> below_;      ///< sum of G_ij x_j over the chunks before, of this sweep

@@ -26,9 +26,10 @@ class History {
         if (last_is_kept_) steps_.push_back(step);
     }
 
-    [[nodiscard]] std::vector<SolveStep> take() {
-        if (count_ > 0 && !last_is_kept_) steps_.push_back(last_);
-        return std::move(steps_);
+    [[nodiscard]] std::vector<SolveStep> steps() const {
+        std::vector<SolveStep> steps = steps_;
+        if (count_ > 0 && !last_is_kept_) steps.push_back(last_);
+        return steps;
     }
 
   private:

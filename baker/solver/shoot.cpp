@@ -22,12 +22,21 @@ namespace {
 constexpr double coarse_window_reads = 1.5;
 constexpr double coarse_if_slower_than = 10;
 
-class Shooter {
+class Shooter final : public SolverVectors {
   public:
     explicit Shooter(SolveFrame& frame);
     SolveResult run();
+    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
+    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
+    [[nodiscard]] std::vector<std::vector<double>> save() const override {
+        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()), {window_start_bound_, static_cast<double>(window_start_bytes_), coarse_ ? 1.0 : 0.0}};
+    }
 
   private:
+    [[nodiscard]] std::array<std::size_t, 4> sizes() const {
+        const std::size_t count = transport_.layout().patch_count();
+        return {1 + 3 * count, 3 * count, 3 * count, 3};
+    }
     [[nodiscard]] double error_bound();
     [[nodiscard]] ChunkNumber best_chunk() const;
     [[nodiscard]] bool is_slow(double bound);
@@ -43,6 +52,7 @@ class Shooter {
 
     SolveFrame& frame_;
     Transport& transport_;
+    const std::vector<std::vector<double>>* saved_;
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ErrorSums> sums_;  ///< per chunk
@@ -56,31 +66,33 @@ class Shooter {
 Shooter::Shooter(SolveFrame& frame)
     : frame_(frame),
       transport_(frame.transport()),
-      adjoint_(Adjoint::certify(transport_, frame.emits())),
+      saved_(frame.resumed(sizes())),
+      adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
       unshot_(transport_.layout().patch_count(), {0, 0, 0}),
       irradiance_(unshot_.size(), {0, 0, 0}),
       sums_(transport_.layout().chunk_count()) {
     for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
-        const bool sends = transport_.row_bytes(chunk) > 0;
+        // A chunk that sees nothing has nothing to send to.
+        if (transport_.row_bytes(chunk) == 0) continue;
         for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double radiosity = frame_.emitted(i, c);
-                sums_[chunk].power[c] += transport_.area_m2(i) * radiosity;
-                // A chunk that sees nothing has nothing to send to.
-                if (sends) unshot_[i][c] = radiosity;
-            }
+            for (std::size_t c = 0; c < 3; ++c) unshot_[i][c] = frame_.emitted(i, c);
+    }
+    if (saved_) {
+        from_numbers((*saved_)[1], irradiance_);
+        from_numbers((*saved_)[2], unshot_);
+        window_start_bound_ = (*saved_)[3][0];
+        window_start_bytes_ = static_cast<std::uint64_t>((*saved_)[3][1]);
     }
     weigh_all();
 }
 
 void Shooter::weigh(ChunkNumber chunk) {
     ErrorSums& sums = sums_[chunk];
-    sums.weighted = sums.negative = {0, 0, 0};
+    sums = {};
     for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-            const double weighted = transport_.area_m2(i) * adjoint_.weight(i)[c] * std::abs(unshot_[i][c]);
-            sums.weighted[c] += weighted;
-            if (unshot_[i][c] < 0) sums.negative[c] += weighted;
+            const double radiosity = frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c];
+            sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c], transport_.area_m2(i) * radiosity);
         }
 }
 
@@ -132,7 +144,6 @@ std::vector<Lanes> Shooter::solve_unshot(const ChunkSystem& system) const {
 /// exchange = sum over some patches j of G_ij times what j sent: adds it to irradiance, radiosity and unshot of the
 /// chunk.
 void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
-    ErrorSums& sums = sums_[chunk];
     for (std::size_t i = 0; i < exchange.size(); ++i) {
         const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -140,7 +151,6 @@ void Shooter::receive(ChunkNumber chunk, std::span<const Lanes> exchange) {
             const double reflected = transport_.scaled_reflectance(patch)[c] * received;
             irradiance_[patch][c] += received;
             unshot_[patch][c] += reflected;
-            sums.power[c] += transport_.area_m2(patch) * reflected;
         }
     }
 }
@@ -292,7 +302,7 @@ void Shooter::coarse_step() {
 SolveResult Shooter::run() {
     for (;;) {
         const double bound = error_bound();
-        if (frame_.is_done(bound)) break;
+        if (frame_.is_done(bound, *this)) break;
         if (is_slow(bound)) {
             if (!frame_.may_read(2 * frame_.total_bytes())) break;
             coarse_step();
@@ -303,7 +313,7 @@ SolveResult Shooter::run() {
         if (!frame_.may_read(transport_.row_bytes(chunk))) break;
         shoot(chunk);
     }
-    return frame_.finish(irradiance_, unshot_);
+    return frame_.finish(*this);
 }
 
 }  // namespace

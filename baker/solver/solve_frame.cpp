@@ -61,6 +61,10 @@ SolveFrame::SolveFrame(BlockSource& source, const SolveInput& input, const Solve
       total_bytes_(source.total_bytes()),
       disk_bytes_before_(source.bytes_read()) {
     result_.solver = std::move(solver);
+    if (options.resume) {
+        for (const SolveStep& step : options.resume->history) history_.add(step);
+        transport_.resume_at(options.resume->requested_bytes);
+    }
     const std::size_t count = input.emission.size();
     bool reflects = false;
     emits_.resize(count);
@@ -88,18 +92,50 @@ double SolveFrame::emitted(PatchNumber patch, std::size_t channel) const {
     return emission > 0 ? emission * scale_[channel] / transport_.self_factor(patch, channel) : 0.0;
 }
 
-void SolveFrame::note(double error_bound) {
-    const std::uint64_t bytes_read = source_.bytes_read() - disk_bytes_before_;
-    history_.add({bytes_read, error_bound});
-    if (options_.progress) options_.progress(bytes_read, error_bound);
-    if (total_bytes_ > 0) result_.reads = static_cast<double>(bytes_read) / static_cast<double>(total_bytes_);
+class SolveFrame::View final : public SolveView {
+  public:
+    View(const SolveFrame& frame, double error_bound, const SolverVectors& solver)
+        : frame_(frame), error_bound_(error_bound), solver_(solver) {}
+    [[nodiscard]] std::uint64_t bytes_read() const override { return frame_.bytes_read(); }
+    [[nodiscard]] double error_bound() const override { return error_bound_; }
+    [[nodiscard]] std::vector<Channels> irradiance(bool ambient) const override {
+        return frame_.scaled_irradiance(solver_.irradiance(), ambient ? frame_.ambient(solver_.unshot()) : Channels{0, 0, 0});
+    }
+    [[nodiscard]] SolveState state() const override {
+        return {frame_.result_.solver, frame_.bytes_read(), frame_.transport_.requested_bytes(), frame_.history_.steps(), solver_.save()};
+    }
+
+  private:
+    const SolveFrame& frame_;
+    double error_bound_;
+    const SolverVectors& solver_;
+};
+
+std::uint64_t SolveFrame::bytes_read() const {
+    return source_.bytes_read() - disk_bytes_before_ + (options_.resume ? options_.resume->bytes_read : 0);
 }
 
-bool SolveFrame::is_done(double error_bound) {
-    note(error_bound);
+const std::vector<std::vector<double>>* SolveFrame::resumed(std::span<const std::size_t> sizes) const {
+    if (!options_.resume) return nullptr;
+    const SolveState& state = *options_.resume;
+    bool fits = state.solver == result_.solver && state.numbers.size() == sizes.size();
+    for (std::size_t k = 0; fits && k < sizes.size(); ++k) fits = state.numbers[k].size() == sizes[k];
+    if (!fits) throw Error(ErrorCode::internal, "solve", "the state to go on from is not one of this solver and matrix");
+    return &state.numbers;
+}
+
+bool SolveFrame::note(double error_bound, const SolverVectors& solver) {
+    history_.add({bytes_read(), error_bound});
+    if (total_bytes_ > 0) result_.reads = static_cast<double>(bytes_read()) / static_cast<double>(total_bytes_);
     result_.error_bound = error_bound;
+    if (options_.step && !options_.step(View(*this, error_bound, solver))) stopped_ = true;
+    return stopped_;
+}
+
+bool SolveFrame::is_done(double error_bound, const SolverVectors& solver) {
+    note(error_bound, solver);
     result_.converged = error_bound <= options_.tolerance;
-    return result_.converged;
+    return result_.converged || stopped_;
 }
 
 bool SolveFrame::may_read(std::uint64_t bytes) const {
@@ -107,24 +143,42 @@ bool SolveFrame::may_read(std::uint64_t bytes) const {
            static_cast<double>(options_.max_reads) * static_cast<double>(total_bytes_);
 }
 
-SolveResult SolveFrame::finish(std::span<const Channels> irradiance, std::span<const Channels> unshot) {
+Channels SolveFrame::ambient(std::span<const Channels> unshot) const {
+    Channels level{0, 0, 0}, absorbed{0, 0, 0};
+    for (PatchNumber i = 0; i < unshot.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            level[c] += (transport_.area_m2(i) - transport_.diagonal_m2(i)) * unshot[i][c];  // what leaves the patch
+            absorbed[c] += transport_.area_m2(i) * (1 - transport_.reflectance(i, c));
+        }
+    for (std::size_t c = 0; c < 3; ++c) level[c] = absorbed[c] > 0 ? std::max(level[c], 0.0) / absorbed[c] : 0.0;
+    return level;
+}
+
+std::vector<Channels> SolveFrame::scaled_irradiance(std::span<const Channels> irradiance, const Channels& ambient) const {
+    std::vector<Channels> scaled(irradiance.size());
+    for (PatchNumber i = 0; i < scaled.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double received = std::max(irradiance[i][c] + ambient[c] * transport_.self_factor(i, c), 0.0);
+            const double radiosity = emitted(i, c) + transport_.scaled_reflectance(i)[c] * received;
+            const double own = transport_.diagonal_m2(i) / transport_.area_m2(i) * radiosity;
+            scaled[i][c] = std::max(received + own, 0.0) / scale_[c];
+        }
+    return scaled;
+}
+
+SolveResult SolveFrame::finish(const SolverVectors& solver) {
     SolveResult result = std::move(result_);
-    result.history = history_.take();
-    const std::size_t count = irradiance.size();
+    result.history = history_.steps();
+    result.irradiance = scaled_irradiance(solver.irradiance(), {0, 0, 0});
+    const std::size_t count = result.irradiance.size();
     result.radiosity.resize(count);
     result.unshot.resize(count);
-    result.irradiance.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto patch = static_cast<PatchNumber>(i);
+    for (PatchNumber i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
-            const double received = std::max(irradiance[i][c], 0.0);
-            const double radiosity = emitted(patch, c) + transport_.scaled_reflectance(patch)[c] * received;
-            const double own = transport_.diagonal_m2(patch) / transport_.area_m2(patch) * radiosity;
-            result.radiosity[i][c] = radiosity / scale_[c];
-            result.unshot[i][c] = unshot[i][c] / scale_[c];
-            result.irradiance[i][c] = std::max(received + own, 0.0) / scale_[c];
+            const double received = std::max(solver.irradiance()[i][c], 0.0);
+            result.radiosity[i][c] = (emitted(i, c) + transport_.scaled_reflectance(i)[c] * received) / scale_[c];
+            result.unshot[i][c] = solver.unshot()[i][c] / scale_[c];
         }
-    }
     return result;
 }
 

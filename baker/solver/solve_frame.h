@@ -4,6 +4,7 @@
 /// Each channel is divided by a power of two near its largest emission and multiplied back, which changes no bit of the
 /// mantissas. Ownership: keeps references to source, input and options. Threads: one at a time.
 #pragma once
+#include <cstring>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,31 @@
 #include "baker/solver/transport.h"
 
 namespace luxel {
+
+/// Vectors over patches as plain numbers, three or four per patch, and back.
+template <class PerPatch>
+std::vector<double> to_numbers(std::span<const PerPatch> values) {
+    std::vector<double> numbers(values.size() * (sizeof(PerPatch) / sizeof(double)));
+    std::memcpy(numbers.data(), values.data(), values.size_bytes());
+    return numbers;
+}
+template <class PerPatch>
+void from_numbers(std::span<const double> numbers, std::vector<PerPatch>& values) {
+    values.resize(numbers.size() / (sizeof(PerPatch) / sizeof(double)));
+    std::memcpy(static_cast<void*>(values.data()), numbers.data(), numbers.size_bytes());
+}
+
+/// What a solver shows of itself between two steps.
+class SolverVectors {
+  public:
+    virtual ~SolverVectors() = default;
+    /// What every patch has received from the others (irradiance, without its own part), and its unshot rest: both in the
+    /// solver's scale, one entry per patch.
+    [[nodiscard]] virtual std::span<const Channels> irradiance() const = 0;
+    [[nodiscard]] virtual std::span<const Channels> unshot() const = 0;
+    /// SolveState::numbers.
+    [[nodiscard]] virtual std::vector<std::vector<double>> save() const = 0;
+};
 
 class SolveFrame {
   public:
@@ -33,18 +59,25 @@ class SolveFrame {
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
-    /// Notes where the solve is, for history and progress.
-    void note(double error_bound);
-    /// note() of a state that may be the result. True: the bound is met.
-    bool is_done(double error_bound);
+    /// The numbers to go on from, or null at the beginning. `sizes`: of the vectors that the solver expects.
+    [[nodiscard]] const std::vector<std::vector<double>>* resumed(std::span<const std::size_t> sizes) const;
+
+    /// Notes where the solve is, for history, and lets the caller look. True: the caller wants no more.
+    bool note(double error_bound, const SolverVectors& solver);
+    /// note() of a state that may be the result. True: the bound is met, or the caller wants no more.
+    bool is_done(double error_bound, const SolverVectors& solver);
     /// May so many bytes more be read?
     [[nodiscard]] bool may_read(std::uint64_t bytes) const;
 
-    /// The result, from what every patch has received from the others (irradiance, without its own part) and the unshot
-    /// rest; both in the solver's scale, one entry per patch.
-    [[nodiscard]] SolveResult finish(std::span<const Channels> irradiance, std::span<const Channels> unshot);
+    [[nodiscard]] SolveResult finish(const SolverVectors& solver);
 
   private:
+    class View;
+    [[nodiscard]] std::uint64_t bytes_read() const;
+    /// H of all patches in the caller's units; `ambient` is added to it.
+    [[nodiscard]] std::vector<Channels> scaled_irradiance(std::span<const Channels> irradiance, const Channels& ambient) const;
+    [[nodiscard]] Channels ambient(std::span<const Channels> unshot) const;
+
     BlockSource& source_;
     const SolveInput& input_;
     const SolveOptions& options_;
@@ -53,7 +86,7 @@ class SolveFrame {
     Transport transport_;
     std::vector<std::uint8_t> emits_;
     const std::uint64_t total_bytes_, disk_bytes_before_;
-    bool trivial_ = false;
+    bool trivial_ = false, stopped_ = false;
     History history_;
     SolveResult result_;
 };

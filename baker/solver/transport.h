@@ -8,6 +8,7 @@
 #pragma once
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -39,7 +40,8 @@ class Transport {
     [[nodiscard]] double self_factor(PatchNumber patch, std::size_t channel) const;  ///< D, at least 1e-12
     [[nodiscard]] const Channels& scaled_reflectance(PatchNumber patch) const { return scaled_[patch]; }  ///< rho'
     /// rho' = 0 in all channels: for patches that no light can reach. Changes no radiosity.
-    void forget(PatchNumber patch) { scaled_[patch] = {0, 0, 0}; }
+    void forget(PatchNumber patch) { scaled_[patch] = forgotten; }
+    [[nodiscard]] bool is_forgotten(PatchNumber patch) const { return std::signbit(scaled_[patch][0]); }
 
     [[nodiscard]] std::span<const BlockInfo> blocks() const { return source_.blocks(); }
     [[nodiscard]] std::span<const RowBlock> row(ChunkNumber chunk) const { return rows_[chunk]; }
@@ -52,8 +54,12 @@ class Transport {
     bool load_diagonal(ChunkNumber chunk, Block& out);
     /// Bytes asked for so far, whether they came from the disk or from a cache: decisions depend on this count only.
     [[nodiscard]] std::uint64_t requested_bytes() const { return requested_bytes_.load(); }
+    /// Counts from here: a solve goes on that had asked for so many.
+    void resume_at(std::uint64_t requested_bytes) { requested_bytes_ = requested_bytes; }
 
   private:
+    /// Zeros, told from those of a black patch by their sign.
+    static constexpr Channels forgotten{-0.0, -0.0, -0.0};
     static constexpr std::size_t no_block = static_cast<std::size_t>(-1);
     BlockSource& source_;
     std::span<const Rgb> reflectance_;

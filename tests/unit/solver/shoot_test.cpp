@@ -287,7 +287,7 @@ TEST(Shoot, HistoryEndsWithTheResult) {
     MemoryBlocks blocks = matrix.blocks();
     SolveOptions options;
     std::size_t calls = 0;
-    options.progress = [&](std::uint64_t, double) { ++calls; };
+    options.step = [&](const SolveView&) { return ++calls > 0; };
     const SolveResult result = solve_by_shooting(blocks, {reflectance, emission}, options);
     EXPECT_EQ(calls, result.history.size());
     EXPECT_EQ(result.history.front().bytes_read, 0u);
@@ -301,7 +301,7 @@ TEST(History, KeepsFirstAndLastAndAtMostAThousand) {
     for (const std::size_t steps : {1u, 999u, 1000u, 1001u, 2500u, 100000u}) {
         History history;
         for (std::size_t i = 0; i < steps; ++i) history.add({i, 1.0 / static_cast<double>(i + 1)});
-        const std::vector<SolveStep> kept = history.take();
+        const std::vector<SolveStep> kept = history.steps();
         EXPECT_LE(kept.size(), 1000u);
         EXPECT_GE(kept.size(), std::min<std::size_t>(steps, 499));
         EXPECT_EQ(kept.front().bytes_read, 0u);
