@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
 """Writes the sample scenes: samples/<name>/<name>.gltf and .bin. Python 3.9 or newer, standard library only.
 
-usage: samples/make_samples.py [NAME ...] [--out DIR] [--reflectance R]
+usage: samples/make_samples.py [NAME ...] [--solver-scenes] [--out DIR] [--reflectance R]
 
 Without names all samples are written. --out: another folder than this one. --reflectance: for furnace and sphere.
+--solver-scenes: the scenes for measuring solvers (rooms_4 and so on), which are written only then or by name, and are not
+kept in the repository.
 The output is the same bytes each time.
 """
 import argparse
 import math
 import os
 
+import open_plan
 import rooms
 from gltf_writer import Gltf, facing, rectangle
 
@@ -116,6 +119,19 @@ def corridor(columns, rows):
     return gltf
 
 
+def furnished_rooms(columns, rows, lit):
+    """Furnished rooms as in the corridors; lit(i, j) says which have a lamp."""
+    gltf = Gltf()
+    rooms.build(gltf, columns, rows, furnished=True, lit=lit)
+    return gltf
+
+
+def hall(_):
+    gltf = Gltf()
+    open_plan.build(gltf)
+    return gltf
+
+
 SAMPLES = {
     "cornell_box": cornell_box,
     "furnace": furnace,
@@ -128,18 +144,29 @@ SAMPLES = {
     "corridor_64": lambda _: corridor(8, 8),
 }
 
+SOLVER_SCENES = {
+    "rooms_4": lambda _: furnished_rooms(2, 2, lambda i, j: (i, j) == (0, 0)),
+    "rooms_36": lambda _: furnished_rooms(6, 6, lambda i, j: True),
+    "rooms_64": lambda _: furnished_rooms(8, 8, lambda i, j: (i, j) == (0, 0)),
+    "rooms_100": lambda _: furnished_rooms(10, 10, lambda i, j: (i, j) == (5, 5)),
+    "open_plan": hall,
+}
+
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(SAMPLES))
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join([*SAMPLES, *SOLVER_SCENES]))
+    parser.add_argument("--solver-scenes", action="store_true", help="all of " + ", ".join(SOLVER_SCENES))
     parser.add_argument("--out", default=os.path.dirname(os.path.abspath(__file__)), metavar="DIR")
     parser.add_argument("--reflectance", type=float, default=0.5, metavar="R", help="furnace and sphere, 0 to 1 (default 0.5)")
     options = parser.parse_args()
-    unknown = [n for n in options.names if n not in SAMPLES]
+    scenes = {**SAMPLES, **SOLVER_SCENES}
+    unknown = [n for n in options.names if n not in scenes]
     if unknown:
-        parser.error(f"unknown sample {unknown[0]}; there are: {', '.join(SAMPLES)}")
-    for name in options.names or SAMPLES:
-        gltf = SAMPLES[name](options)
+        parser.error(f"unknown sample {unknown[0]}; there are: {', '.join(scenes)}")
+    names = options.names + (list(SOLVER_SCENES) if options.solver_scenes else [])
+    for name in names or SAMPLES:
+        gltf = scenes[name](options)
         gltf.save(os.path.join(options.out, name), name)
         print(f"{name}: {gltf.triangle_count()} triangles, {len(gltf.nodes)} nodes")
 

@@ -1,5 +1,6 @@
 """The sample scenes in the repository are what make_samples.py writes, and keep the promises of their README."""
 import json
+import math
 import os
 import struct
 import subprocess
@@ -10,11 +11,11 @@ import unittest
 SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
 
 
-def triangles(name):
+def triangles(name, folder=SAMPLES):
     """World triangles of a sample: (node name, corners). Turns about Y, scale and translation only, as samples have."""
-    with open(os.path.join(SAMPLES, name, name + ".gltf"), encoding="utf-8") as file:
+    with open(os.path.join(folder, name, name + ".gltf"), encoding="utf-8") as file:
         document = json.load(file)
-    with open(os.path.join(SAMPLES, name, name + ".bin"), "rb") as file:
+    with open(os.path.join(folder, name, name + ".bin"), "rb") as file:
         blob = file.read()
 
     def numbers(index, letter):
@@ -50,6 +51,17 @@ def signed_volume(faces):
                for _, (a, b, c) in faces) / 6
 
 
+def sideways_area(faces):
+    """x and z of the sum of all area vectors, m2: nothing for a closed surface. What rests on floors, ceilings or other
+    pieces has no face there, so y is no test."""
+    vector = [0.0, 0.0, 0.0]
+    for _, (a, b, c) in faces:
+        u, v = [b[k] - a[k] for k in range(3)], [c[k] - a[k] for k in range(3)]
+        for k in range(3):
+            vector[k] += (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]) / 2
+    return vector[0], vector[2]
+
+
 class Samples(unittest.TestCase):
     def test_files_are_what_the_script_writes(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -71,19 +83,63 @@ class Samples(unittest.TestCase):
         self.assertAlmostEqual(air, -(2 * 54 + 0.378 - 0.0546) - 0.7 * 1.3 * 2.7 / 3, places=3)
         for name in ("two_rooms", "corridor_4", "corridor_16", "corridor_64"):
             with self.subTest(name):
-                vector = [0.0, 0.0, 0.0]   # the area vectors of a closed surface add up to nothing
-                for _, (a, b, c) in triangles(name):
-                    u, v = [b[k] - a[k] for k in range(3)], [c[k] - a[k] for k in range(3)]
-                    for k in range(3):
-                        vector[k] += (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]) / 2
-                self.assertAlmostEqual(vector[0], 0, places=2)
-                self.assertAlmostEqual(vector[2], 0, places=2)
+                for area in sideways_area(triangles(name)):
+                    self.assertAlmostEqual(area, 0, places=2)
 
     def test_sizes(self):
         self.assertEqual(len(triangles("cornell_box")), 38)
         self.assertEqual(len(triangles("sphere")), 1280)
         self.assertLess(len(triangles("corridor_16")), 10000)
         self.assertGreater(len(triangles("corridor_64")), 3 * len(triangles("corridor_16")))
+
+
+class SolverScenes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        subprocess.run([sys.executable, os.path.join(SAMPLES, "make_samples.py"), "--solver-scenes", "--out", cls.folder.name],
+                       check=True, stdout=subprocess.DEVNULL)
+        cls.scenes = {name: triangles(name, cls.folder.name) for name in sorted(os.listdir(cls.folder.name))}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_all_are_written_and_closed(self):
+        self.assertEqual(list(self.scenes), ["open_plan", "rooms_100", "rooms_36", "rooms_4", "rooms_64"])
+        for name, faces in self.scenes.items():
+            with self.subTest(name):
+                for area in sideways_area(faces):
+                    self.assertAlmostEqual(area, 0, places=2)
+
+    def test_lamps_are_where_the_names_say(self):
+        lit = {name: {n for n, _ in faces if n.endswith("lamp_panel")} for name, faces in self.scenes.items()}
+        self.assertEqual(lit["rooms_4"], {"room_0_0_lamp_panel"})
+        self.assertEqual(lit["rooms_64"], {"room_0_0_lamp_panel"})
+        self.assertEqual(lit["rooms_100"], {"room_5_5_lamp_panel"})
+        self.assertEqual(len(lit["rooms_36"]), 36)
+        self.assertEqual(len(lit["open_plan"]), 8)
+
+    def test_the_open_plan_is_one_hall_of_pieces_apart(self):
+        faces = self.scenes["open_plan"]
+        self.assertAlmostEqual(signed_volume([f for f in faces if f[0].startswith("hall_")]), -24 * 2.7 * 15, places=3)
+        circles = []   # around each piece and each lamp, seen from above
+        for name in sorted({n for n, _ in faces if not n.startswith("hall_") and not n.endswith("lamp_panel")}):
+            piece = [f for f in faces if f[0] == name]
+            points = [p for _, corners in piece for p in corners]
+            centre = [(min(p[k] for p in points) + max(p[k] for p in points)) / 2 for k in (0, 2)]
+            top = max(p[1] for p in points)
+            if not name.endswith("lamp_housing"):
+                self.assertGreater(signed_volume(piece), 0, name)
+                self.assertEqual(min(p[1] for p in points), 0, name)
+            self.assertLess(top, 2.7 + 1e-6, name)
+            circles.append((centre, max(math.dist(centre, (p[0], p[2])) for p in points), name, top))
+        self.assertEqual(len([c for c in circles if not c[2].endswith("lamp_housing")]), 60)
+        for n, (centre, radius, name, top) in enumerate(circles):
+            for other, reach, other_name, other_top in circles[:n]:
+                if "lamp" in name + other_name and min(top, other_top) < 2.0:
+                    continue   # a lamp hangs above the lower pieces
+                self.assertGreater(math.dist(centre, other), radius + reach, f"{name} and {other_name}")
 
 
 if __name__ == "__main__":
