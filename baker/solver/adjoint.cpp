@@ -196,4 +196,24 @@ bool Adjoint::lower(const Transport& transport, const ChunkSystem& system, std::
     return rows_fit || !assumes_row_sums_;
 }
 
+bool Adjoint::lower_all(const Transport& transport, std::span<const Channels> z, std::span<const Channels> exchange) {
+    Channels margin{1, 1, 1};
+    for (PatchNumber i = 0; i < weights_.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double reflect = transport.scaled_reflectance(i)[c];
+            if (!(reflect > 0)) continue;  // T multiplies its weight by 0: it is found below
+            const double w = z[i][c] / reflect, rest = w - exchange[i][c] / transport.area_m2(i);
+            margin[c] = std::min(margin[c], w > 0 && rest > smallest_margin * w ? rest : 0.0);
+        }
+    bool lowered = false;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (!(margin[c] > 0)) continue;
+        lowered = true;
+        // 1 + T (w / m) is at most w / m, and a certificate too (property 2).
+        for (PatchNumber i = 0; i < weights_.size(); ++i)
+            weights_[i][c] = std::min(weights_[i][c], (1 + std::max(exchange[i][c], 0.0) / (transport.area_m2(i) * margin[c])) * (1 + rounding_reserve));
+    }
+    return lowered;
+}
+
 }  // namespace luxel

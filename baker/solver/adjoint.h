@@ -37,7 +37,7 @@ class Adjoint {
     /// are longer than their area times 1 + row_excess_allowed would void it, so lower() looks for them. Otherwise
     /// reads the blocks until property 4 holds. `emits`: per patch, whether it emits in any channel. Throws
     /// Error{bad_input} if there is no certificate: the light never ends.
-    static Adjoint certify(Transport& transport, std::span<const std::uint8_t> emits, double loosest = 100);
+    static Adjoint certify(Transport& transport, std::span<const std::uint8_t> emits, double loosest = 1e6);
 
     /// Certifies by reads whatever the reflectances: needs no assumption about row sums.
     void certify_by_reads(Transport& transport, std::span<const std::uint8_t> emits);
@@ -61,6 +61,10 @@ class Adjoint {
     /// Lowers the weights of one chunk (property 2). `gathered`: sum over the patches j of all other chunks of
     /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False as in hold_for().
     [[nodiscard]] bool lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered);
+
+    /// Lowers the weights of all patches (properties 2 to 4) if z / rho' is near enough to a solution; false if it is not.
+    /// `z`: radiosity, about rho' w; `exchange`: G z, both per patch. For all patches whose chunks have blocks the rows must be known as a whole.
+    bool lower_all(const Transport& transport, std::span<const Channels> z, std::span<const Channels> exchange);
 
   private:
     std::vector<Channels> weights_;

@@ -24,7 +24,7 @@ void CoarseSystem::set_coupling(std::size_t block_index, std::span<const Lanes> 
     Channels sum{0, 0, 0};
     for (std::size_t i = 0; i < x_a.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) sum[c] += x_a[i].v[c] * y_a[i].v[c];
-    coupling_[block_index] = sum;
+    set_coupling(block_index, sum);
 }
 
 void CoarseSystem::set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::span<const Lanes> inside) {

@@ -54,7 +54,7 @@ class Jacobi final : public SolverVectors {
                 sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c],
                          transport_.area_m2(i) * radiosity(i, c));
             }
-        return sums.bound();
+        return sums.bound(frame_.emitted_power());
     }
     void sweep() {
         for (PatchNumber i = 0; i < sent_.size(); ++i)
@@ -125,7 +125,7 @@ class Gatherer final : public SolverVectors {
                 sums.negative[c] += weight * std::abs(rest);
             }
         power_ = sums.power;
-        return sums.bound();
+        return sums.bound(frame_.emitted_power());
     }
 
     void strip(ChunkNumber chunk) {

@@ -2,25 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include "baker/core/parallel.h"
 #include "baker/solver/adjoint.h"
 #include "baker/solver/chunk_system.h"
-#include "baker/solver/coarse.h"
+#include "baker/solver/coarse_space.h"
+#include "baker/solver/coarse_vectors.h"
 #include "baker/solver/inner_solve.h"
 #include "baker/solver/solve_frame.h"
 #include "baker/solver/transport.h"
-#include "baker/solver/whole_read.h"
 
 namespace luxel {
 
 namespace {
 
-/// Shots of so many whole reads that lower the bound by less than this factor are followed by a coarse step.
-constexpr double coarse_window_reads = 1.5;
-constexpr double coarse_if_slower_than = 10;
+/// Vectors of the coarse space per chunk: even light, what its neighbours send, and then what it has sent itself, as long as
+/// there are fewer than so many.
+constexpr std::size_t most_vectors = 8;
+constexpr std::size_t most_neighbours = 3;
+/// The light of neighbours is worth a second read of the row where it is a small part of the row: in rooms.
+constexpr double small_part = 0.5;
+/// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so many pairs of a row
+/// (each pair is applied some ten times inside the chunk).
+constexpr std::uint64_t entries_per_pair = 8;
 
 class Shooter final : public SolverVectors {
   public:
@@ -29,22 +33,22 @@ class Shooter final : public SolverVectors {
     [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
     [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
     [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()), {window_start_bound_, static_cast<double>(window_start_bytes_), coarse_ ? 1.0 : 0.0}};
+        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()),
+                {static_cast<double>(pairs_since_step_), static_cast<double>(lowered_at_bytes_)}, coarse_.save()};
     }
 
   private:
-    [[nodiscard]] std::array<std::size_t, 4> sizes() const {
+    [[nodiscard]] std::array<std::size_t, 5> sizes() const {
         const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 3 * count, 3 * count, 3};
+        return {1 + 3 * count, 3 * count, 3 * count, 2, any_size};
     }
     [[nodiscard]] double error_bound();
     [[nodiscard]] ChunkNumber best_chunk() const;
-    [[nodiscard]] bool is_slow(double bound);
     void shoot(ChunkNumber chunk);
+    void add_vectors(const ChunkSystem& system, std::span<const Lanes> sent);
     void coarse_step();
-    void read_coarse_system();
+    void lower_by_model();
     [[nodiscard]] std::vector<Lanes> solve_unshot(const ChunkSystem& system) const;
-    void take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent);
     void receive(ChunkNumber chunk, std::span<const Lanes> exchange);
     std::vector<Lanes> shoot_to_others(ChunkNumber chunk, std::span<const Lanes> sent);
     void weigh(ChunkNumber chunk);
@@ -57,10 +61,10 @@ class Shooter final : public SolverVectors {
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ErrorSums> sums_;  ///< per chunk
     Channels power_{0, 0, 0};             ///< sum A B
-    std::optional<CoarseSystem> coarse_;  ///< and the shapes it is made for; only if shots alone are slow
-    std::vector<Channels> shape_;
-    std::uint64_t window_start_bytes_ = 0;
-    double window_start_bound_ = std::numeric_limits<double>::infinity();
+    CoarseSpace coarse_;
+    std::vector<std::vector<Lanes>> new_vectors_;  ///< of the chunk that shoots: their columns are still to be found
+    std::uint64_t pairs_since_step_ = 0;
+    std::uint64_t lowered_at_bytes_ = 0;  ///< requested, when the weights of all chunks were last lowered together
 };
 
 Shooter::Shooter(SolveFrame& frame)
@@ -70,7 +74,8 @@ Shooter::Shooter(SolveFrame& frame)
       adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
       unshot_(transport_.layout().patch_count(), {0, 0, 0}),
       irradiance_(unshot_.size(), {0, 0, 0}),
-      sums_(transport_.layout().chunk_count()) {
+      sums_(transport_.layout().chunk_count()),
+      coarse_(transport_) {
     for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
         // A chunk that sees nothing has nothing to send to.
         if (transport_.row_bytes(chunk) == 0) continue;
@@ -80,8 +85,9 @@ Shooter::Shooter(SolveFrame& frame)
     if (saved_) {
         from_numbers((*saved_)[1], irradiance_);
         from_numbers((*saved_)[2], unshot_);
-        window_start_bound_ = (*saved_)[3][0];
-        window_start_bytes_ = static_cast<std::uint64_t>((*saved_)[3][1]);
+        pairs_since_step_ = static_cast<std::uint64_t>((*saved_)[3][0]);
+        lowered_at_bytes_ = static_cast<std::uint64_t>((*saved_)[3][1]);
+        coarse_.restore((*saved_)[4]);
     }
     weigh_all();
 }
@@ -109,7 +115,7 @@ double Shooter::error_bound() {
             all.power[c] += sums.power[c];
         }
     power_ = all.power;
-    return all.bound();
+    return all.bound(frame_.emitted_power());
 }
 
 /// The chunk whose shot takes most from the bound per byte; the lowest number among equals.
@@ -181,6 +187,15 @@ std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const L
                 apply_both(block, source, sent, exchange, parts[k]);
             receive(target.other, exchange);
             weigh(target.other);
+            const std::size_t first_new = coarse_.vector_count() - new_vectors_.size();
+            for (std::size_t v = 0; v < new_vectors_.size(); ++v) {
+                std::fill(exchange.begin(), exchange.end(), Lanes{});
+                if (target.is_a)
+                    scatter_columns(block, new_vectors_[v], exchange);
+                else
+                    gather_rows(block, new_vectors_[v], exchange);
+                coarse_.set_column(first_new + v, first + k, exchange);
+            }
         });
         for (std::size_t k = 0; k < batch; ++k)
             for (std::size_t i = 0; i < gathered.size(); ++i)
@@ -189,29 +204,22 @@ std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const L
     return gathered;
 }
 
-/// Limits what is about to be sent so that all that was ever sent stays nonnegative, and radiosity with it.
-void Shooter::take_from_unshot(ChunkNumber chunk, std::span<Lanes> sent) {
-    for (std::size_t i = 0; i < sent.size(); ++i) {
-        const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double reflect = transport_.scaled_reflectance(patch)[c];
-            const double sent_before = frame_.emitted(patch, c) + reflect * irradiance_[patch][c] - unshot_[patch][c];
-            sent[i].v[c] = std::max(sent[i].v[c], std::min(0.0, -sent_before));
-            unshot_[patch][c] -= sent[i].v[c];
-        }
-    }
-}
-
 void Shooter::shoot(ChunkNumber chunk) {
     Block diagonal;
     const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
     const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-    std::vector<Lanes> sent = solve_unshot(system);
-    take_from_unshot(chunk, sent);
+    const std::vector<Lanes> sent = solve_unshot(system);
+    for (std::size_t i = 0; i < sent.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) unshot_[transport_.first(chunk) + i][c] -= sent[i].v[c];
     std::vector<Lanes> exchange;
     system.multiply(sent, exchange);
     receive(chunk, exchange);
+    add_vectors(system, sent);
     const std::vector<Lanes> gathered = shoot_to_others(chunk, sent);
+    for (std::size_t k = 0; k < new_vectors_.size(); ++k) coarse_.finish(coarse_.vector_count() - new_vectors_.size() + k);
+    new_vectors_.clear();
+    pairs_since_step_ += diagonal.columns.size();
+    for (const RowBlock& block : transport_.row(chunk)) pairs_since_step_ += transport_.blocks()[block.index].pair_count;
     if (adjoint_.lower(transport_, system, gathered)) {
         weigh(chunk);
     } else {
@@ -220,98 +228,80 @@ void Shooter::shoot(ChunkNumber chunk) {
     }
 }
 
-/// True at the end of a window of shots that brought too little.
-bool Shooter::is_slow(double bound) {
-    const auto bytes = static_cast<double>(transport_.requested_bytes() - window_start_bytes_);
-    if (bytes < coarse_window_reads * static_cast<double>(frame_.total_bytes())) return false;
-    const bool slow = bound * coarse_if_slower_than > window_start_bound_;
-    window_start_bytes_ = transport_.requested_bytes();
-    window_start_bound_ = bound;
-    return slow && sums_.size() > 1;
-}
-
-/// One read, for the first coarse step only: the model of exchange between chunks. The shape of the irradiance inside a
-/// chunk is that of even light from outside together with all that the chunk itself makes of it, which is how light
-/// that stays for long looks like.
-void Shooter::read_coarse_system() {
-    CoarseSystem& coarse = coarse_.emplace(transport_);
-    shape_.assign(unshot_.size(), {0, 0, 0});
-    parallel_for(sums_.size(), 1, [&](std::size_t k) {
-        const auto chunk = static_cast<ChunkNumber>(k);
-        Block diagonal;
-        const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
-        const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-        std::vector<Lanes> shape(system.size(), Lanes{{1, 1, 1, 0}});
-        solve_adjoint_rows(transport_, system, std::vector<Lanes>(system.size()), {.relative = 0.01}, shape);
-        coarse.set_chunk(chunk, shape, apply_adjoint_inside(transport_, system, shape));
-        for (std::size_t i = 0; i < shape.size(); ++i)
-            for (std::size_t c = 0; c < 3; ++c) shape_[transport_.first(chunk) + i][c] = shape[i].v[c];
-    });
-    exchange_between_chunks(
-        transport_, [this](ChunkNumber chunk) { return adjoint_source(transport_, shape_, chunk); },
-        [&](std::size_t block, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
-            coarse.set_coupling(block, x_a, y_a);
-        });
-}
-
-/// Sends, from all chunks in one read, the light that the coarse model says is still to come. Like any other light that
-/// is sent it is accounted for exactly, so a poor model costs a read and nothing else.
-void Shooter::coarse_step() {
-    if (!coarse_) read_coarse_system();
-    std::vector<Channels> level(sums_.size(), {0, 0, 0});  // irradiance per chunk, in units of its shape
-    for (std::size_t c = 0; c < 3; ++c) {
-        std::vector<double> unshot_power(sums_.size(), 0.0);
-        for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk)
-            for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
-                unshot_power[chunk] += transport_.area_m2(i) * shape_[i][c] * unshot_[i][c];
-        const std::vector<double> solution = coarse_->solve(c, unshot_power);
-        for (std::size_t chunk = 0; chunk < solution.size(); ++chunk) level[chunk][c] = solution[chunk];
+/// What the chunk adds to the coarse space with this shot.
+void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent) {
+    const ChunkNumber chunk = system.chunk();
+    if (sums_.size() == 1 || coarse_.count_of(chunk) >= most_vectors) return;
+    std::vector<std::vector<Lanes>> light;
+    if (coarse_.count_of(chunk) == 0) {
+        light.push_back(even_light(transport_, system));
+        const auto row_bytes = static_cast<double>(transport_.row_bytes(chunk));
+        const double own_bytes = transport_.has_diagonal(chunk) ? static_cast<double>(transport_.diagonal_bytes(chunk)) : 0.0;
+        if (row_bytes - own_bytes <= small_part * row_bytes)
+            for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, most_neighbours)) light.push_back(std::move(of_neighbour));
     }
-    std::vector<Lanes> sent(unshot_.size());
+    const std::uint64_t entries = coarse_.entries_of(chunk);
+    // What is emitted where nothing is reflected is sent once and never again.
+    light.emplace_back(sent.begin(), sent.end());
+    for (std::size_t i = 0; i < sent.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            if (system.scale()[i].v[c] == 0) light.back()[i].v[c] = 0;
+    for (const std::vector<Lanes>& radiosity : light) {
+        if (coarse_.entries() + (new_vectors_.size() + 1) * entries > CoarseSpace::most_entries(unshot_.size())) return;
+        std::vector<Lanes> own;
+        system.multiply(radiosity, own);
+        if (const auto vector = coarse_.add(chunk, radiosity, own)) new_vectors_.push_back(coarse_.radiosity(*vector));
+    }
+}
+
+/// Sends, without a read, the light that the coarse model says is still to come.
+void Shooter::coarse_step() {
+    if (coarse_.vector_count() == 0 || coarse_.entries() > entries_per_pair * pairs_since_step_) return;
+    pairs_since_step_ = 0;
+    const std::vector<Channels> levels = coarse_.levels(unshot_);
+    if (levels.empty()) return;
     parallel_for(sums_.size(), 1, [&](std::size_t k) {
         const auto chunk = static_cast<ChunkNumber>(k);
-        const PatchNumber first = transport_.first(chunk);
-        const std::span<Lanes> lanes(sent.data() + first, transport_.size(chunk));
-        for (std::size_t i = 0; i < lanes.size(); ++i)
+        const CoarseSpace::Exchange exchange = coarse_.exchange(chunk, levels);
+        for (std::size_t i = 0; i < exchange.sent.size(); ++i) {
+            const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
             for (std::size_t c = 0; c < 3; ++c) {
-                // Where no light has come yet none is guessed: a chunk may reach into a room that is closed to all light.
-                if (irradiance_[first + i][c] == 0) continue;
-                lanes[i].v[c] = transport_.scaled_reflectance(first + static_cast<PatchNumber>(i))[c] *
-                                shape_[first + i][c] * level[k][c];
+                const double received = exchange.received[i][c] / transport_.area_m2(patch);
+                irradiance_[patch][c] += received;
+                unshot_[patch][c] += transport_.scaled_reflectance(patch)[c] * received - exchange.sent[i][c];
             }
-        take_from_unshot(chunk, lanes);
-    });
-    const auto sent_by = [&](ChunkNumber chunk) {
-        const auto begin = sent.begin() + transport_.first(chunk);
-        return std::vector<Lanes>(begin, begin + transport_.size(chunk));
-    };
-    const std::vector<Lanes> exchange = exchange_between_chunks(transport_, sent_by, {});
-    parallel_for(sums_.size(), 1, [&](std::size_t k) {
-        const auto chunk = static_cast<ChunkNumber>(k);
-        Block diagonal;
-        const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
-        const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
-        std::vector<Lanes> inside;
-        system.multiply(sent_by(chunk), inside);
-        receive(chunk, inside);
-        receive(chunk, std::span<const Lanes>(exchange).subspan(transport_.first(chunk), inside.size()));
+        }
         weigh(chunk);
     });
 }
 
+/// Once all rows are known the model tells weights of all chunks at once, which shots would find one chunk at a time.
+void Shooter::lower_by_model() {
+    for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk)
+        if (coarse_.count_of(chunk) == 0 && transport_.row_bytes(chunk) > 0) return;
+    if (lowered_at_bytes_ > 0 && transport_.requested_bytes() - lowered_at_bytes_ < frame_.total_bytes()) return;
+    lowered_at_bytes_ = transport_.requested_bytes();
+    // z = rho' w of the equation w = 1 + T w is light of the emission rho'.
+    std::vector<Channels> emission(unshot_.size());
+    for (PatchNumber i = 0; i < emission.size(); ++i) emission[i] = transport_.scaled_reflectance(i);
+    const std::vector<Channels> levels = coarse_.levels(emission);
+    if (levels.empty()) return;
+    std::vector<Channels> sent(unshot_.size()), received(unshot_.size());
+    parallel_for(sums_.size(), 1, [&](std::size_t k) {
+        const CoarseSpace::Exchange exchange = coarse_.exchange(static_cast<ChunkNumber>(k), levels);
+        std::copy(exchange.sent.begin(), exchange.sent.end(), sent.begin() + transport_.layout().first_patch[k]);
+        std::copy(exchange.received.begin(), exchange.received.end(), received.begin() + transport_.layout().first_patch[k]);
+    });
+    if (adjoint_.lower_all(transport_, sent, received)) weigh_all();
+}
+
 SolveResult Shooter::run() {
-    for (;;) {
-        const double bound = error_bound();
-        if (frame_.is_done(bound, *this)) break;
-        if (is_slow(bound)) {
-            if (!frame_.may_read(2 * frame_.total_bytes())) break;
-            coarse_step();
-            window_start_bytes_ = transport_.requested_bytes();
-            continue;
-        }
+    while (!frame_.is_done(error_bound(), *this)) {
         const ChunkNumber chunk = best_chunk();
-        if (!frame_.may_read(transport_.row_bytes(chunk))) break;
+        if (!frame_.may_read(2 * transport_.row_bytes(chunk))) break;
         shoot(chunk);
+        coarse_step();
+        lower_by_model();
     }
     return frame_.finish(*this);
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "baker/core/parallel.h"
 #include "formats/base/error.h"
@@ -71,6 +70,8 @@ SolveFrame::SolveFrame(BlockSource& source, const SolveInput& input, const Solve
     for (std::size_t i = 0; i < count; ++i) {
         emits_[i] = input.emission[i][0] > 0 || input.emission[i][1] > 0 || input.emission[i][2] > 0;
         for (std::size_t c = 0; c < 3; ++c)
+            emitted_power_[c] += transport_.area_m2(static_cast<PatchNumber>(i)) * emitted(static_cast<PatchNumber>(i), c);
+        for (std::size_t c = 0; c < 3; ++c)
             reflects = reflects || transport_.scaled_reflectance(static_cast<PatchNumber>(i))[c] > 0;
     }
     trivial_ = !reflects;
@@ -119,7 +120,7 @@ const std::vector<std::vector<double>>* SolveFrame::resumed(std::span<const std:
     if (!options_.resume) return nullptr;
     const SolveState& state = *options_.resume;
     bool fits = state.solver == result_.solver && state.numbers.size() == sizes.size();
-    for (std::size_t k = 0; fits && k < sizes.size(); ++k) fits = state.numbers[k].size() == sizes[k];
+    for (std::size_t k = 0; fits && k < sizes.size(); ++k) fits = sizes[k] == any_size || state.numbers[k].size() == sizes[k];
     if (!fits) throw Error(ErrorCode::internal, "solve", "the state to go on from is not one of this solver and matrix");
     return &state.numbers;
 }
@@ -188,14 +189,10 @@ void ErrorSums::add(std::size_t channel, double weight, double unshot, double po
     power[channel] += power_lm;
 }
 
-double ErrorSums::bound() const {
+double ErrorSums::bound(const Channels& emitted) const {
     double worst = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        if (weighted[c] == 0) continue;
-        // The negative part may exceed the power for a while: then there is no lower bound yet.
-        const double lowest = power[c] - negative[c];
-        worst = std::max(worst, lowest > 0 ? weighted[c] / lowest : std::numeric_limits<double>::infinity());
-    }
+    for (std::size_t c = 0; c < 3; ++c)
+        if (weighted[c] > 0) worst = std::max(worst, weighted[c] / std::max(power[c] - negative[c], emitted[c]));
     return worst;
 }
 

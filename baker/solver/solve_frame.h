@@ -28,6 +28,9 @@ void from_numbers(std::span<const double> numbers, std::vector<PerPatch>& values
     std::memcpy(static_cast<void*>(values.data()), numbers.data(), numbers.size_bytes());
 }
 
+/// A vector of SolveState::numbers whose size the solver checks itself.
+constexpr std::size_t any_size = static_cast<std::size_t>(-1);
+
 /// What a solver shows of itself between two steps.
 class SolverVectors {
   public:
@@ -56,6 +59,8 @@ class SolveFrame {
     [[nodiscard]] std::span<const std::uint8_t> emits() const { return emits_; }
     /// M' in the solver's scale.
     [[nodiscard]] double emitted(PatchNumber patch, std::size_t channel) const;
+    /// Sum A M', lm in the solver's scale.
+    [[nodiscard]] const Channels& emitted_power() const { return emitted_power_; }
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
@@ -85,14 +90,14 @@ class SolveFrame {
     const Channels scale_;
     Transport transport_;
     std::vector<std::uint8_t> emits_;
+    Channels emitted_power_{0, 0, 0};
     const std::uint64_t total_bytes_, disk_bytes_before_;
     bool trivial_ = false, stopped_ = false;
     History history_;
     SolveResult result_;
 };
 
-/// An upper bound of sum A |B* - B| over sum A B*, the worst channel. Without a unit; infinite while there is no lower
-/// bound of the light.
+/// An upper bound of sum A |B* - B| over sum A B*, the worst channel. Without a unit.
 struct ErrorSums {
     Channels weighted{0, 0, 0};  ///< sum A w |U|, lm in the solver's scale (adjoint.h)
     Channels negative{0, 0, 0};  ///< the part of it where U < 0
@@ -100,7 +105,8 @@ struct ErrorSums {
 
     /// One patch in one channel: `weight` is A w, `power_lm` is A B.
     void add(std::size_t channel, double weight, double unshot, double power_lm);
-    [[nodiscard]] double bound() const;
+    /// `emitted`: sum A M', which no light is less than.
+    [[nodiscard]] double bound(const Channels& emitted) const;
 };
 
 }  // namespace luxel
