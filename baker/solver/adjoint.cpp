@@ -196,14 +196,20 @@ bool Adjoint::lower(const Transport& transport, const ChunkSystem& system, std::
     return rows_fit || !assumes_row_sums_;
 }
 
-bool Adjoint::lower_all(const Transport& transport, std::span<const Channels> z, std::span<const Channels> exchange) {
+bool Adjoint::lower_by(const CoarseSpace& model, const Transport& transport) {
+    // z = rho' w of w = 1 + T w is the light of the emission rho': z = rho' + K z.
+    std::vector<Channels> rest(weights_.size()), received(weights_.size(), {0, 0, 0});
+    for (PatchNumber i = 0; i < rest.size(); ++i) rest[i] = transport.scaled_reflectance(i);
+    const std::vector<Channels> levels = model.levels(rest);
+    if (levels.empty()) return false;
+    model.send(levels, received, rest);  // rest = rho' - (z - K z), and received = T w
     Channels margin{1, 1, 1};
     for (PatchNumber i = 0; i < weights_.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const double reflect = transport.scaled_reflectance(i)[c];
             if (!(reflect > 0)) continue;  // T multiplies its weight by 0: it is found below
-            const double w = z[i][c] / reflect, rest = w - exchange[i][c] / transport.area_m2(i);
-            margin[c] = std::min(margin[c], w > 0 && rest > smallest_margin * w ? rest : 0.0);
+            const double difference = 1 - rest[i][c] / reflect, w = difference + received[i][c];
+            margin[c] = std::min(margin[c], w > 0 && difference > smallest_margin * w ? difference : 0.0);
         }
     bool lowered = false;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -211,7 +217,7 @@ bool Adjoint::lower_all(const Transport& transport, std::span<const Channels> z,
         lowered = true;
         // 1 + T (w / m) is at most w / m, and a certificate too (property 2).
         for (PatchNumber i = 0; i < weights_.size(); ++i)
-            weights_[i][c] = std::min(weights_[i][c], (1 + std::max(exchange[i][c], 0.0) / (transport.area_m2(i) * margin[c])) * (1 + rounding_reserve));
+            weights_[i][c] = std::min(weights_[i][c], (1 + std::max(received[i][c], 0.0) / margin[c]) * (1 + rounding_reserve));
     }
     return lowered;
 }

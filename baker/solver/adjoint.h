@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "baker/solver/chunk_system.h"
+#include "baker/solver/coarse_space.h"
 #include "baker/solver/transport.h"
 
 namespace luxel {
@@ -62,9 +63,9 @@ class Adjoint {
     /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False as in hold_for().
     [[nodiscard]] bool lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered);
 
-    /// Lowers the weights of all patches (properties 2 to 4) if z / rho' is near enough to a solution; false if it is not.
-    /// `z`: radiosity, about rho' w; `exchange`: G z, both per patch. For all patches whose chunks have blocks the rows must be known as a whole.
-    bool lower_all(const Transport& transport, std::span<const Channels> z, std::span<const Channels> exchange);
+    /// Lowers the weights of all patches by the model's solution of w = 1 + T w (properties 2 to 4), without a read; false if that is
+    /// no certificate, as where the model lacks chunks.
+    bool lower_by(const CoarseSpace& model, const Transport& transport);
 
   private:
     std::vector<Channels> weights_;

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "baker/core/parallel.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -114,6 +115,7 @@ void CoarseSpace::finish(std::size_t number) {
         const Column& column = vector.columns[place];
         entries_ += column.rows.size();
         for (const std::size_t u : of_chunk_[row[place].other]) {
+            if (u > number) continue;  // it will see this one
             Channels sum{0, 0, 0};
             for (std::size_t k = 0; k < column.rows.size(); ++k)
                 for (std::size_t c = 0; c < 3; ++c) sum[c] -= vectors_[u].radiosity[column.rows[k]][c] * column.exchange[k][c];
@@ -122,7 +124,25 @@ void CoarseSpace::finish(std::size_t number) {
     }
 }
 
-bool CoarseSpace::solve(std::size_t c, std::span<const Channels> unshot, std::vector<Channels>& levels) const {
+/// P^T (A / rho') U per vector.
+std::vector<Channels> CoarseSpace::moments(std::span<const Channels> unshot) const {
+    std::vector<Channels> moments(vectors_.size(), {0, 0, 0});
+    parallel_for(vectors_.size(), 1, [&](std::size_t v) {
+        const Vector& vector = vectors_[v];
+        const PatchNumber first = transport_.first(vector.chunk);
+        for (std::size_t i = 0; i < vector.radiosity.size(); ++i) {
+            const PatchNumber patch = first + static_cast<PatchNumber>(i);
+            const double area_m2 = transport_.area_m2(patch);
+            const Channels& reflect = transport_.scaled_reflectance(patch);
+            for (std::size_t c = 0; c < 3; ++c)
+                if (reflect[c] > 0) moments[v][c] += vector.radiosity[i][c] * area_m2 / reflect[c] * unshot[patch][c];
+        }
+    });
+    return moments;
+}
+
+/// `levels`: the moments on entry.
+bool CoarseSpace::solve(std::size_t c, std::vector<Channels>& levels) const {
     const auto size = static_cast<Eigen::Index>(vectors_.size());
     std::vector<Eigen::Triplet<double>> lower;
     for (const Coupling& k : couplings_)
@@ -130,12 +150,7 @@ bool CoarseSpace::solve(std::size_t c, std::span<const Channels> unshot, std::ve
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
     for (std::size_t v = 0; v < vectors_.size(); ++v) {
         lower.emplace_back(static_cast<int>(v), static_cast<int>(v), 1.0);  // vectors of one chunk are orthonormal
-        for (std::size_t i = 0; i < vectors_[v].radiosity.size(); ++i) {
-            const PatchNumber patch = transport_.first(vectors_[v].chunk) + static_cast<PatchNumber>(i);
-            const double reflect = transport_.scaled_reflectance(patch)[c];
-            if (reflect > 0)
-                right(static_cast<Eigen::Index>(v)) += vectors_[v].radiosity[i][c] * transport_.area_m2(patch) / reflect * unshot[patch][c];
-        }
+        right(static_cast<Eigen::Index>(v)) = levels[v][c];
     }
     Sparse matrix(size, size);
     matrix.setFromTriplets(lower.begin(), lower.end());
@@ -146,11 +161,44 @@ bool CoarseSpace::solve(std::size_t c, std::span<const Channels> unshot, std::ve
     return solution.allFinite();
 }
 
-std::vector<Channels> CoarseSpace::levels(std::span<const Channels> unshot) const {
-    std::vector<Channels> levels(vectors_.size(), {0, 0, 0});
+std::vector<Channels> CoarseSpace::solve(std::vector<Channels> moments) const {
     for (std::size_t c = 0; c < 3; ++c)
-        if (!solve(c, unshot, levels)) return {};
-    return levels;
+        if (!solve(c, moments)) return {};
+    return moments;
+}
+
+std::vector<Channels> CoarseSpace::levels(std::span<const Channels> unshot) const { return solve(moments(unshot)); }
+
+std::vector<Channels> CoarseSpace::deflation(std::span<const Channels> unshot) const {
+    std::vector<Channels> rest = moments(unshot);
+    parallel_for(vectors_.size(), 1, [&](std::size_t v) {
+        const Vector& vector = vectors_[v];
+        const PatchNumber first = transport_.first(vector.chunk);
+        for (std::size_t i = 0; i < vector.own.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) rest[v][c] -= vector.own[i][c] * unshot[first + i][c];
+        for (std::size_t place = 0; place < vector.columns.size(); ++place) {
+            const Column& column = vector.columns[place];
+            const PatchNumber other = transport_.first(transport_.row(vector.chunk)[place].other);
+            for (std::size_t k = 0; k < column.rows.size(); ++k)
+                for (std::size_t c = 0; c < 3; ++c) rest[v][c] -= column.exchange[k][c] * unshot[other + column.rows[k]][c];
+        }
+    });
+    return solve(std::move(rest));
+}
+
+void CoarseSpace::send(std::span<const Channels> levels, std::span<Channels> irradiance, std::span<Channels> unshot) const {
+    parallel_for(of_chunk_.size(), 1, [&](std::size_t k) {
+        const auto chunk = static_cast<ChunkNumber>(k);
+        const Exchange sums = exchange(chunk, levels);
+        for (std::size_t i = 0; i < sums.sent.size(); ++i) {
+            const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double received = sums.received[i][c] / transport_.area_m2(patch);
+                irradiance[patch][c] += received;
+                unshot[patch][c] += transport_.scaled_reflectance(patch)[c] * received - sums.sent[i][c];
+            }
+        }
+    });
 }
 
 CoarseSpace::Exchange CoarseSpace::exchange(ChunkNumber chunk, std::span<const Channels> levels) const {

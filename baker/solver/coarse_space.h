@@ -56,6 +56,14 @@ class CoarseSpace {
     /// ends.
     [[nodiscard]] std::vector<Channels> levels(std::span<const Channels> unshot) const;
 
+    /// Sends at these levels: adds to the irradiance (without a patch's own part) and to the unshot light of all patches what follows. Uses
+    /// all threads; the result does not depend on their number.
+    void send(std::span<const Channels> levels, std::span<Channels> irradiance, std::span<Channels> unshot) const;
+
+    /// c of every vector such that U - P c has no part that the model could see through the matrix: P^T (A / rho') (I - K) (U - P c) = 0. What
+    /// deflated conjugate gradients take out of a direction: Saad, Yeung, Erhel, Guyomarc'h, SIAM J. Sci. Comput. 21(5) 2000.
+    [[nodiscard]] std::vector<Channels> deflation(std::span<const Channels> unshot) const;
+
     /// Radiosity that a chunk sends at these levels, and sum_v c_v G P_v that it receives, per patch.
     struct Exchange {
         std::vector<Channels> sent, received;
@@ -84,7 +92,9 @@ class CoarseSpace {
     };
     [[nodiscard]] Channels inside(const Vector& u, const Vector& v) const;
     bool make_orthonormal(Vector& vector) const;
-    [[nodiscard]] bool solve(std::size_t channel, std::span<const Channels> unshot, std::vector<Channels>& levels) const;
+    [[nodiscard]] std::vector<Channels> moments(std::span<const Channels> unshot) const;
+    [[nodiscard]] std::vector<Channels> solve(std::vector<Channels> moments) const;
+    [[nodiscard]] bool solve(std::size_t channel, std::vector<Channels>& levels) const;
 
     const Transport& transport_;
     std::vector<Vector> vectors_;

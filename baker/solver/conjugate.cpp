@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/core/parallel.h"
 #include "baker/solver/adjoint.h"
+#include "baker/solver/coarse_space.h"
 #include "baker/solver/solve_frame.h"
 #include "baker/solver/whole_read.h"
 
@@ -26,7 +28,8 @@ class Conjugate final : public SolverVectors {
           irradiance_(count_, {0, 0, 0}),
           unshot_(irradiance_),
           r_(count_),
-          p_(count_) {
+          p_(count_),
+          coarse_(transport_) {
         for (PatchNumber i = 0; i < count_; ++i) {
             for (std::size_t c = 0; c < 3; ++c) {
                 scale_[i].v[c] = std::sqrt(transport_.scaled_reflectance(i)[c] / transport_.area_m2(i));
@@ -40,14 +43,14 @@ class Conjugate final : public SolverVectors {
     SolveResult run() {
         bool done = !stepping_ && frame_.is_done(bound(), *this);
         while (!done) {
-            if (!stepping_) {
+            if (!stepping_ && !is_gathered_) {
                 if (!frame_.may_read(frame_.total_bytes())) break;
                 gather();
                 if (frame_.is_done(bound(), *this)) break;
-                begin_steps();
             }
+            if (!stepping_) begin_steps();
             done = improve();
-            stepping_ = false;
+            stepping_ = is_gathered_ = false;
         }
         return frame_.finish(*this);
     }
@@ -55,28 +58,36 @@ class Conjugate final : public SolverVectors {
     [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
     [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
     [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), {stepping_ ? 1.0 : 0.0, rest_[0], rest_[1], rest_[2]},
-                to_numbers<Lanes>(x_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(r_), to_numbers<Lanes>(p_)};
+        return {adjoint_.save(transport_), {stepping_ ? 1.0 : 0.0, has_model_ ? 1.0 : 0.0, is_gathered_ ? 1.0 : 0.0, deflates_ ? 1.0 : 0.0, rest_[0], rest_[1], rest_[2]},
+                to_numbers<Lanes>(x_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(r_), to_numbers<Lanes>(p_), coarse_.save()};
     }
 
   private:
-    [[nodiscard]] std::array<std::size_t, 7> sizes() const {
+    [[nodiscard]] std::array<std::size_t, 8> sizes() const {
         const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 4, 4 * count, 3 * count, 3 * count, 4 * count, 4 * count};
+        return {1 + 3 * count, 7, 4 * count, 3 * count, 3 * count, 4 * count, 4 * count, any_size};
     }
     void restore() {
         stepping_ = (*saved_)[1][0] > 0;
-        std::copy_n((*saved_)[1].begin() + 1, 3, rest_.begin());
+        has_model_ = (*saved_)[1][1] > 0;
+        is_gathered_ = (*saved_)[1][2] > 0;
+        deflates_ = (*saved_)[1][3] > 0;
+        std::copy_n((*saved_)[1].begin() + 4, 3, rest_.begin());
         from_numbers((*saved_)[2], x_);
         from_numbers((*saved_)[3], irradiance_);
         from_numbers((*saved_)[4], unshot_);
         from_numbers((*saved_)[5], r_);
         from_numbers((*saved_)[6], p_);
+        coarse_.restore((*saved_)[7]);
     }
 
     /// B from one read of x, and what x lacks: U = B - x.
     void gather() {
-        const std::vector<Lanes> exchange = exchange_everywhere(transport_, x_);
+        const bool is_first = !has_model_;
+        has_model_ = is_gathered_ = true;
+        const std::vector<Lanes> exchange =
+            is_first ? exchange_and_columns(transport_, x_, coarse_) : exchange_everywhere(transport_, x_);
+        if (is_first) adjoint_.lower_by(coarse_, transport_);
         if (!adjoint_.hold_for(transport_, 0, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c) {
@@ -96,13 +107,38 @@ class Conjugate final : public SolverVectors {
         return sums.bound(frame_.emitted_power());
     }
 
-    /// The residual U of x is the first direction.
+    /// The model takes its part of the residual U of x; the rest is the first direction.
     void begin_steps() {
+        const std::vector<Channels> levels = coarse_.levels(unshot_);
+        deflates_ = !levels.empty() && coarse_.vector_count() > 0;
+        if (deflates_) {
+            coarse_.send(levels, irradiance_, unshot_);
+            for (PatchNumber i = 0; i < count_; ++i)
+                for (std::size_t c = 0; c < 3; ++c)
+                    x_[i].v[c] = frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - unshot_[i][c];
+        }
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c) r_[i].v[c] = scale_[i].v[c] > 0 ? unshot_[i][c] / scale_[i].v[c] : 0.0;
         p_ = r_;
+        deflate();
         rest_ = dot(r_, r_);
         stepping_ = true;
+    }
+
+    /// Takes out of the direction what the model holds, so that a step does not bring it back.
+    void deflate() {
+        if (!deflates_) return;
+        const std::vector<Channels> levels = coarse_.deflation(unshot_);
+        if (levels.empty()) return;
+        parallel_for(transport_.layout().chunk_count(), 1, [&](std::size_t k) {
+            const auto chunk = static_cast<ChunkNumber>(k);
+            const CoarseSpace::Exchange model = coarse_.exchange(chunk, levels);
+            for (std::size_t i = 0; i < model.sent.size(); ++i) {
+                const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
+                for (std::size_t c = 0; c < 3; ++c)
+                    if (scale_[patch].v[c] > 0) p_[patch].v[c] -= model.sent[i][c] / scale_[patch].v[c];
+            }
+        });
     }
 
     /// Steps until the bound is low enough for the last read, or reads run out. True: the caller wants no more.
@@ -127,6 +163,7 @@ class Conjugate final : public SolverVectors {
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c)
                     p_[i].v[c] = r_[i].v[c] + (rest_[c] > 0 ? next[c] / rest_[c] : 0.0) * p_[i].v[c];
+            deflate();
             rest_ = next;
             if (frame_.note(found, *this)) return true;
         }
@@ -161,6 +198,10 @@ class Conjugate final : public SolverVectors {
     bool stepping_ = false;
     std::vector<Lanes> r_, p_;
     Channels rest_{0, 0, 0};
+    CoarseSpace coarse_;
+    bool has_model_ = false;    ///< the model has had its read
+    bool is_gathered_ = false;  ///< irradiance and unshot light are those of x, found by a read
+    bool deflates_ = false;
 };
 
 }  // namespace

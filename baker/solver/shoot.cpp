@@ -24,7 +24,7 @@ constexpr std::size_t most_neighbours = 3;
 constexpr double small_part = 0.5;
 /// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so many pairs of a row
 /// (each pair is applied some ten times inside the chunk).
-constexpr std::uint64_t entries_per_pair = 8;
+constexpr std::uint64_t entries_per_pair = 2;
 
 class Shooter final : public SolverVectors {
   public:
@@ -260,19 +260,8 @@ void Shooter::coarse_step() {
     pairs_since_step_ = 0;
     const std::vector<Channels> levels = coarse_.levels(unshot_);
     if (levels.empty()) return;
-    parallel_for(sums_.size(), 1, [&](std::size_t k) {
-        const auto chunk = static_cast<ChunkNumber>(k);
-        const CoarseSpace::Exchange exchange = coarse_.exchange(chunk, levels);
-        for (std::size_t i = 0; i < exchange.sent.size(); ++i) {
-            const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double received = exchange.received[i][c] / transport_.area_m2(patch);
-                irradiance_[patch][c] += received;
-                unshot_[patch][c] += transport_.scaled_reflectance(patch)[c] * received - exchange.sent[i][c];
-            }
-        }
-        weigh(chunk);
-    });
+    coarse_.send(levels, irradiance_, unshot_);
+    weigh_all();
 }
 
 /// Once all rows are known the model tells weights of all chunks at once, which shots would find one chunk at a time.
@@ -281,18 +270,7 @@ void Shooter::lower_by_model() {
         if (coarse_.count_of(chunk) == 0 && transport_.row_bytes(chunk) > 0) return;
     if (lowered_at_bytes_ > 0 && transport_.requested_bytes() - lowered_at_bytes_ < frame_.total_bytes()) return;
     lowered_at_bytes_ = transport_.requested_bytes();
-    // z = rho' w of the equation w = 1 + T w is light of the emission rho'.
-    std::vector<Channels> emission(unshot_.size());
-    for (PatchNumber i = 0; i < emission.size(); ++i) emission[i] = transport_.scaled_reflectance(i);
-    const std::vector<Channels> levels = coarse_.levels(emission);
-    if (levels.empty()) return;
-    std::vector<Channels> sent(unshot_.size()), received(unshot_.size());
-    parallel_for(sums_.size(), 1, [&](std::size_t k) {
-        const CoarseSpace::Exchange exchange = coarse_.exchange(static_cast<ChunkNumber>(k), levels);
-        std::copy(exchange.sent.begin(), exchange.sent.end(), sent.begin() + transport_.layout().first_patch[k]);
-        std::copy(exchange.received.begin(), exchange.received.end(), received.begin() + transport_.layout().first_patch[k]);
-    });
-    if (adjoint_.lower_all(transport_, sent, received)) weigh_all();
+    if (adjoint_.lower_by(coarse_, transport_)) weigh_all();
 }
 
 SolveResult Shooter::run() {

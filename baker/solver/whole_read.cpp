@@ -1,9 +1,13 @@
 #include "baker/solver/whole_read.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
+#include <optional>
 
 #include "baker/core/parallel.h"
+#include "baker/solver/chunk_system.h"
+#include "baker/solver/coarse_vectors.h"
 
 namespace luxel {
 
@@ -68,6 +72,57 @@ std::vector<Lanes> exchange_everywhere(Transport& transport, std::span<const Lan
         else
             apply_both(block, x_a, x.subspan(transport.first(block.b), transport.size(block.b)), part.y_a, part.y_b);
     });
+}
+
+namespace {
+
+/// Where block k is in the rows of its chunks a and b.
+std::vector<std::array<std::size_t, 2>> places_in_rows(const Transport& transport) {
+    std::vector<std::array<std::size_t, 2>> places(transport.blocks().size());
+    for (ChunkNumber chunk = 0; chunk < transport.layout().chunk_count(); ++chunk) {
+        const std::span<const RowBlock> row = transport.row(chunk);
+        for (std::size_t place = 0; place < row.size(); ++place) places[row[place].index][row[place].is_a ? 0 : 1] = place;
+    }
+    return places;
+}
+
+}  // namespace
+
+std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const Lanes> x, CoarseSpace& space) {
+    const ChunkNumber chunk_count = transport.layout().chunk_count();
+    std::uint64_t entries = 0;
+    for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) entries += space.entries_of(chunk);
+    if (entries > CoarseSpace::most_entries(x.size())) return exchange_everywhere(transport, x);
+    const auto of_chunk = [&](ChunkNumber chunk) { return x.subspan(transport.first(chunk), transport.size(chunk)); };
+    std::vector<std::vector<Lanes>> inside(chunk_count), light(chunk_count), own(chunk_count);
+    parallel_for(chunk_count, 1, [&](std::size_t k) {
+        const auto chunk = static_cast<ChunkNumber>(k);
+        Block diagonal;
+        const bool has_pairs = transport.load_diagonal(chunk, diagonal);
+        const ChunkSystem system(transport, chunk, has_pairs ? &diagonal : nullptr);
+        system.multiply(of_chunk(chunk), inside[k]);
+        light[k] = even_light(transport, system);
+        system.multiply(light[k], own[k]);
+    });
+    std::vector<std::optional<std::size_t>> vector(chunk_count);
+    for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) {
+        vector[chunk] = space.add(chunk, light[chunk], own[chunk]);
+        if (vector[chunk]) light[chunk] = space.radiosity(*vector[chunk]);
+    }
+    const auto places = places_in_rows(transport);
+    std::vector<std::size_t> indexes;
+    for (std::size_t k = 0; k < transport.blocks().size(); ++k)
+        if (transport.blocks()[k].a != transport.blocks()[k].b) indexes.push_back(k);
+    std::vector<Lanes> y = sum_over_blocks(transport, indexes, [&](std::size_t index, const Block& block, Part& part) {
+        apply_both(block, of_chunk(block.a), of_chunk(block.b), part.y_a, part.y_b);
+        std::vector<Lanes> to_a(part.y_a.size()), to_b(part.y_b.size());
+        apply_both(block, light[block.a], light[block.b], to_a, to_b);
+        if (vector[block.a]) space.set_column(*vector[block.a], places[index][0], to_b);
+        if (vector[block.b]) space.set_column(*vector[block.b], places[index][1], to_a);
+    });
+    for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) add(inside[chunk], y.data() + transport.first(chunk));
+    for (std::size_t v = 0; v < space.vector_count(); ++v) space.finish(v);
+    return y;
 }
 
 }  // namespace luxel

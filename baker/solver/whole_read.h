@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "baker/solver/coarse_space.h"
 #include "baker/solver/transport.h"
 
 namespace luxel {
@@ -21,5 +22,9 @@ std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVect
 
 /// The same over all blocks, those of one chunk with itself too: sum over all j != i of G_ij x_j. `x`: one entry per patch.
 std::vector<Lanes> exchange_everywhere(Transport& transport, std::span<const Lanes> x);
+
+/// The same; on the way every chunk gives its even light (coarse_vectors.h) to `space`, which is empty before, unless that would be more than
+/// CoarseSpace::most_entries().
+std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const Lanes> x, CoarseSpace& space);
 
 }  // namespace luxel
