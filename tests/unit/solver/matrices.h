@@ -51,7 +51,8 @@ struct RandomMatrix {
     double area_decades = 0;  ///< areas are 10^-x m2, x uniform in [0, area_decades]
     bool closed = true;       ///< what a row lacks goes to the diagonal, else into the open
     std::size_t rooms = 1;    ///< rooms exchange `door` of what they exchange inside
-    double door = 0.01;
+    double door = 0.01;       ///< 0: they do not see each other
+    double alone = 0;         ///< share of patches that see nothing
 };
 
 inline Matrix random_matrix(const RandomMatrix& want, unsigned seed) {
@@ -64,12 +65,16 @@ inline Matrix random_matrix(const RandomMatrix& want, unsigned seed) {
         matrix.area_m2.push_back(std::pow(10.0, -want.area_decades * uniform(random)));
         area_sum += matrix.area_m2.back();
     }
+    std::mt19937_64 other_random(seed + 1);
+    std::vector<bool> alone(want.patches);
+    for (std::size_t i = 0; i < want.patches; ++i) alone[i] = uniform(other_random) < want.alone;
     std::vector<double> row(want.patches, 0.0);
     for (std::size_t i = 0; i < want.patches; ++i)
         for (std::size_t j = i + 1; j < want.patches; ++j) {
             if (uniform(random) > want.density) continue;
             double g = matrix.area_m2[i] * matrix.area_m2[j] / area_sum * (0.1 + uniform(random));
             if (i * want.rooms / want.patches != j * want.rooms / want.patches) g *= want.door;
+            if (g == 0 || alone[i] || alone[j]) continue;
             row[i] += g;
             row[j] += g;
             matrix.pairs.push_back({static_cast<PatchNumber>(i), static_cast<PatchNumber>(j), static_cast<float>(g)});
