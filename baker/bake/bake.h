@@ -9,6 +9,7 @@
 #include "baker/bake/report.h"
 #include "baker/light/interpolate.h"
 #include "baker/output/lightmap_encode.h"
+#include "baker/scene/value_check.h"
 #include "baker/solver/solve.h"
 #include "baker/unwrap/unwrap.h"
 
@@ -34,6 +35,7 @@ struct BakeOptions {
     std::filesystem::path input, output;
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
+    BadValues bad_values = BadValues::clamp;  ///< numbers of materials and lamps that cannot be
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory

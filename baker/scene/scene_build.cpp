@@ -163,7 +163,7 @@ Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const B
     for (const Object& object : scene.objects) used[object.material] = true;
     build_materials(record, used, decode, options, scene, warnings);
     report_missing_uv(record, scene, warnings);
-    build_lamps(record, scene, warnings);
+    build_lamps(record, options, scene, warnings);
     scene.geometry_key = geometry_key_of(scene);
     scene.light_key = light_key_of(scene);
     return scene;

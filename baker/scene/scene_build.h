@@ -4,9 +4,11 @@
 ///            the bounding box rounded to a coarse grid, so that small edits leave every float as it was. Mirrored
 ///            instances swap winding. Triangles with a vertex that is not finite, or without area, are dropped. Vertices
 ///            that no triangle uses are left out. Primitives without normals are flat: a vertex of its own per corner.
-/// Light      emission M = pi * nits in lm/m2; reflectance clamped to 0..1; sRGB textures become linear.
-/// Findings   one warning per object or material and kind, appended to `warnings`; nothing here throws on odd content.
-/// Errors     Error{bad_input}: more than 2^32 - 2 vertices or triangles.
+/// Light      emission M = pi * nits in lm/m2; reflectance in 0..1; sRGB textures become linear. Numbers out of their range:
+///            value_check.h.
+/// Findings   one warning per object or material and kind, appended to `warnings`.
+/// Errors     Error{bad_input}: more than 2^32 - 2 vertices or triangles; with BadValues::refuse a number of a material that is
+///            shown, or of a lamp, that is out of its range. Nothing else here throws on odd content.
 /// Memory     the Scene, plus the record, which the caller may free afterwards.
 /// Threads    not reentrant on one `warnings`; runs in parallel inside; the result does not depend on the thread count.
 #pragma once
@@ -14,6 +16,7 @@
 #include <optional>
 
 #include "baker/scene/scene.h"
+#include "baker/scene/value_check.h"
 
 namespace luxel {
 
@@ -29,6 +32,8 @@ using ImageDecoder = std::function<std::optional<DecodedImage>(ByteView bytes, c
 
 struct BuildOptions {
     bool textures = true;  ///< false: textures count as white, for a first look or for tests
+    BadValues bad_values = BadValues::clamp;
+    std::string file;  ///< named in errors
 };
 
 Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <tuple>
 
@@ -107,56 +106,45 @@ class TextureSet {
     std::map<int, std::uint32_t> first_of_image_;
 };
 
-/// A number inside [0, highest], 0 for NaN; notes if it had to be changed.
-float limited(double value, double highest, bool& changed) {
-    const double inside = value > 0 ? std::min(value, highest) : 0.0;
-    if (!(inside == value)) changed = true;
-    return static_cast<float>(inside);
-}
-
-std::array<float, 6> limited_transform(const std::array<double, 6>& transform, bool& changed) {
+std::array<float, 6> finite_transform(const std::array<double, 6>& transform, const char* texture, const ValueCheck& check) {
     std::array<float, 6> out{};
     for (std::size_t i = 0; i < 6; ++i) {
         out[i] = static_cast<float>(transform[i]);
         if (!std::isfinite(out[i])) {
-            changed = true;
+            check.fault("material-clamped", std::string("the transform of ") + texture + " is not finite", "none");
             return {1, 0, 0, 0, 1, 0};
         }
     }
     return out;
 }
 
-double unit_share(double value) { return std::clamp(std::isfinite(value) ? value : 0.0, 0.0, 1.0); }
+double limited(double value, const ValueCheck& check, const char* property) {
+    check.limit({&value, 1}, 1.0, "material-clamped", property);
+    return value;
+}
 
-Material convert_material(const MaterialRecord& record, const std::string& where, std::vector<Warning>& warnings) {
+Material convert_material(const MaterialRecord& record, const ValueCheck& check) {
     Material material;
     material.name = record.name;
-    bool reflectance_changed = false, emission_changed = false, other_changed = false;
+    std::array<double, 3> colour{record.base_color[0], record.base_color[1], record.base_color[2]};
+    check.limit(colour, 1.0, "reflectance-clamped", "baseColorFactor");
+    std::array<double, 3> nits = record.emission;
+    check.limit(nits, most_light, "emission-clamped", "emissiveFactor times emissiveStrength");
     // What mirrors or passes through is not diffuse: base colour * (1 - metallic) as glTF's appendix B.3.5 has it.
-    const double kept = (1.0 - unit_share(record.transmission)) * (1.0 - unit_share(record.metallic));
+    const double kept = (1.0 - limited(record.transmission, check, "transmissionFactor")) *
+                        (1.0 - limited(record.metallic, check, "metallicFactor"));
     for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<std::size_t>(c);
-        material.reflectance[c] = limited(record.base_color[i], 1.0, reflectance_changed) * static_cast<float>(kept);
-        // Infinite light is a fault of the file, not a very bright lamp.
-        const double exitance = pi * record.emission[i];
-        const bool fits = exitance <= static_cast<double>(std::numeric_limits<float>::max());
-        emission_changed = emission_changed || !fits;
-        material.emission[c] = fits ? limited(exitance, exitance, emission_changed) : 0.0f;
+        material.reflectance[c] = static_cast<float>(colour[static_cast<std::size_t>(c)]) * static_cast<float>(kept);
+        material.emission[c] = static_cast<float>(pi * nits[static_cast<std::size_t>(c)]);
     }
-    material.alpha = limited(record.base_color[3], 1.0, other_changed);
+    material.alpha = static_cast<float>(limited(record.base_color[3], check, "the alpha of baseColorFactor"));
     material.base_uv_set = record.base_color_texture.uv_set;
-    material.base_transform = limited_transform(record.base_color_texture.transform, other_changed);
+    material.base_transform = finite_transform(record.base_color_texture.transform, "baseColorTexture", check);
     material.emissive_uv_set = record.emissive_texture.uv_set;
-    material.emissive_transform = limited_transform(record.emissive_texture.transform, other_changed);
+    material.emissive_transform = finite_transform(record.emissive_texture.transform, "emissiveTexture", check);
     material.double_sided = record.double_sided;
     material.alpha_mode = record.alpha_mode;
     material.alpha_cutoff = std::isfinite(record.alpha_cutoff) ? static_cast<float>(record.alpha_cutoff) : 0.5f;
-    if (reflectance_changed)
-        warnings.push_back({"reflectance-clamped", where, "a base colour factor was outside 0 to 1"});
-    if (emission_changed)
-        warnings.push_back({"emission-clamped", where, "an emissive factor was negative or not finite: 0 is used for it"});
-    if (other_changed)
-        warnings.push_back({"material-clamped", where, "alpha or a texture transform was out of range: replaced"});
     return material;
 }
 
@@ -195,7 +183,9 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
         const std::string where = "material " + (from.name.empty() ? std::to_string(m) : "\"" + from.name + "\"");
         std::vector<Warning> unheard;
         std::vector<Warning>& findings = used[m] ? warnings : unheard;
-        Material material = convert_material(from, where, findings);
+        // What nothing shows may hold what it likes.
+        const BadValues bad_values = used[m] ? options.bad_values : BadValues::clamp;
+        Material material = convert_material(from, ValueCheck(bad_values, options.file, where, findings));
         note_kinds(from, where, findings);
         if (used[m] && options.textures) {
             material.base_texture = textures.add(from.base_color_texture, where);
@@ -210,27 +200,27 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
     scene.materials.push_back(std::move(default_material));
 }
 
-void build_lamps(const SceneRecord& record, Scene& scene, std::vector<Warning>& warnings) {
+void build_lamps(const SceneRecord& record, const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings) {
     for (const LampRecord& from : record.lamps) {
         Lamp lamp;
         lamp.kind = from.kind;
         lamp.name = from.node_path;
+        const std::string where = "lamp " + lamp.name;
         const Vec3d place = Vec3d(from.world[3][0], from.world[3][1], from.world[3][2]) - scene.origin;
         lamp.position = to_float(place);
         const Vec3d direction = direction_of(from.world);
         const bool has_place = from.kind == LampKind::directional || std::isfinite(lamp.position.length());
         if (!has_place || (from.kind != LampKind::point && !usable(direction))) {
-            warnings.push_back({"lamp-skipped", lamp.name, "the node's matrix gives the lamp no place or direction"});
+            warnings.push_back({"lamp-skipped", where, "the node's matrix gives the lamp no place or direction"});
             continue;
         }
         lamp.direction = usable(direction) ? to_float(direction.normalized()) : Vec3f(0, 0, -1);
-        bool changed = false;
-        for (int c = 0; c < 3; ++c)
-            lamp.intensity[c] = limited(from.intensity[static_cast<std::size_t>(c)],
-                                        static_cast<double>(std::numeric_limits<float>::max()), changed);
-        if (changed) warnings.push_back({"lamp-clamped", lamp.name, "intensity was negative or not finite: limited"});
+        std::array<double, 3> intensity = from.intensity;
+        ValueCheck(options.bad_values, options.file, where, warnings)
+            .limit(intensity, most_light, "lamp-clamped", "color times intensity");
+        lamp.intensity = {static_cast<float>(intensity[0]), static_cast<float>(intensity[1]), static_cast<float>(intensity[2])};
         lamp.range = from.range > 0 && std::isfinite(from.range) ? static_cast<float>(from.range) : 0.0f;
-        if (from.kind == LampKind::spot) set_cone(from, lamp, lamp.name, warnings);
+        if (from.kind == LampKind::spot) set_cone(from, lamp, where, warnings);
         scene.lamps.push_back(std::move(lamp));
     }
 }

@@ -15,6 +15,6 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
                      const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings);
 
 /// Fills scene.lamps; needs scene.origin. Lamps without a place or a direction are left out with a warning.
-void build_lamps(const SceneRecord& record, Scene& scene, std::vector<Warning>& warnings);
+void build_lamps(const SceneRecord& record, const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings);
 
 }  // namespace luxel

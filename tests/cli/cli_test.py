@@ -97,7 +97,7 @@ class Help(Case):
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
-              "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": ""}
 
     def test_help(self):
@@ -289,6 +289,38 @@ class Input(Case):
             file.write(b"\0" * 20)
         self.assert_refused(self.bake(source=source), BAD_INPUT, "360 bytes, found 20")
 
+    def test_numbers_that_cannot_be(self):
+        """By default a warning that names material, property and value; with --bad-values refuse that is the error."""
+        def colour(*values):
+            return lambda document: document["materials"][0]["pbrMetallicRoughness"].update(baseColorFactor=[*values, 1])
+
+        def strength(value, factor=(1, 1, 1)):
+            def edit(document):
+                document["materials"][0]["emissiveFactor"] = list(factor)
+                document["materials"][0]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = value
+            return edit
+
+        for words, edit in {"baseColorFactor is (1.5, 0.5, 0.5), expected 0 to 1": colour(1.5, 0.5, 0.5),
+                            "baseColorFactor is (-0.25, 0, 0), expected 0 to 1": colour(-0.25, 0, 0),
+                            "emissiveStrength is (-1, -1, -1), expected 0 to 1e+30": strength(-1),
+                            "emissiveStrength is (1e+31, 0, 0), expected 0 to 1e+30": strength(1e31, (1, 0, 0)),
+                            "emissiveStrength is (inf, 1e+300, 0), expected 0 to 1e+30": strength(1e300, (1e300, 1, 0))}.items():
+            with self.subTest(words):
+                source = self.scene(edit)
+                self.assert_refused(self.bake("--bad-values", "refuse", source=source), BAD_INPUT, "scene.gltf", 'material "glow"', words)
+                result = self.bake(source=source)
+                self.assert_done(result)
+                self.assertIn('luxel: warning: material "glow": ', result.stderr)
+                self.assertIn(words, result.stderr)
+                shutil.rmtree(self.out)
+        # JSON has no infinity: what is too long for a number is no JSON that can be read.
+        source = self.scene(strength(12345.5))
+        with open(source, encoding="utf-8") as file:
+            text = file.read().replace("12345.5", "1e999")
+        with open(source, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "scene.gltf", "1e999")
+
     def test_nothing_to_bake(self):
         source = self.scene(lambda document: document["scenes"][0].update(nodes=[]))
         self.assert_refused(self.bake(source=source), BAD_INPUT, "no triangle")
@@ -392,7 +424,7 @@ class Output(Case):
             self.assertEqual(read(os.path.join(self.out, name)), old[name], name + " is neither old nor gone")
 
 
-class Store(Case):
+class Damage(Case):
     def test_damaged_file_is_named(self):
         self.assert_done(self.bake("--work", self.path("work")))
         shutil.rmtree(self.out)

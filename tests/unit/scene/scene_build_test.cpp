@@ -9,6 +9,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/core/units.h"
+#include "baker/scene/texture_sample.h"
 
 namespace luxel {
 namespace {
@@ -31,8 +32,8 @@ SceneRecord quad_record() {
 struct Built {
     std::vector<Warning> warnings;
     Scene scene;
-    explicit Built(const SceneRecord& record, const ImageDecoder& decode = {}) {
-        scene = build_scene(record, decode, {}, warnings);
+    explicit Built(const SceneRecord& record, const ImageDecoder& decode = {}, const BuildOptions& options = {}) {
+        scene = build_scene(record, decode, options, warnings);
     }
     [[nodiscard]] std::ptrdiff_t count(const std::string& code) const {
         return std::ranges::count(warnings, code, &Warning::code);
@@ -220,6 +221,76 @@ TEST(SceneBuild, MaterialsInPhysicalUnits) {
     EXPECT_EQ(built.count("emission-clamped"), 1);
     EXPECT_EQ(built.scene.materials[1].reflectance, Rgb(0.75f, 0.75f, 0.75f));
     EXPECT_EQ(built.count("transmission-blocked"), 0);  // nothing shows that material
+}
+
+TEST(SceneBuild, BadValuesAreNamedAndClamped) {
+    SceneRecord record = quad_record();
+    record.materials.resize(1);
+    record.materials[0].name = "odd";
+    record.materials[0].base_color = {1.5, 0.25, 0, 1};
+    record.materials[0].emission = {1e31, -2, 1e308 * 10};
+    record.materials[0].metallic = 1.25;
+    record.meshes[0].primitives[0].material = 0;
+    const Built built(record);
+    ASSERT_EQ(built.warnings.size(), 4u);
+    for (const Warning& warning : built.warnings) EXPECT_EQ(warning.where, "material \"odd\"");
+    EXPECT_EQ(built.warnings[0].text, "baseColorFactor is (1.5, 0.25, 0), expected 0 to 1: (1, 0.25, 0) is used");
+    EXPECT_EQ(built.warnings[1].text,
+              "emissiveFactor times emissiveStrength is (1e+31, -2, inf), expected 0 to 1e+30: (1e+30, 0, 0) is used");
+    EXPECT_EQ(built.warnings[2].text, "metallicFactor is 1.25, expected 0 to 1: 1 is used");
+    EXPECT_EQ(built.warnings[3].code, "metal-mirrors");
+    EXPECT_EQ(built.scene.materials[0].emission, Rgb(static_cast<float>(pi * 1e30), 0, 0));
+}
+
+TEST(SceneBuild, BadValuesAreNamedAndRefused) {
+    const BuildOptions refuse{.bad_values = BadValues::refuse, .file = "hall.glb"};
+    const double infinity = std::numeric_limits<double>::infinity();
+    const auto expect_refused = [&](const SceneRecord& record, const std::string& where, const std::string& what) {
+        try {
+            const Built built(record, {}, refuse);
+            ADD_FAILURE() << "accepted: " << what;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::bad_input);
+            EXPECT_EQ(error.where, where);
+            EXPECT_EQ(error.what_text, what);
+        }
+    };
+    SceneRecord good = quad_record();
+    good.materials.resize(2);
+    good.materials[0].name = "odd";
+    good.materials[1].base_color = {2, 2, 2, 2};  // nothing shows this one
+    good.meshes[0].primitives[0].material = 0;
+    EXPECT_TRUE(Built(good, {}, refuse).warnings.empty());
+
+    SceneRecord record = good;
+    record.materials[0].base_color[1] = std::nan("");
+    expect_refused(record, "hall.glb: material \"odd\"", "baseColorFactor is (1, nan, 1), expected 0 to 1");
+    record = good;
+    record.materials[0].emission = {0, infinity, -1};
+    expect_refused(record, "hall.glb: material \"odd\"",
+                   "emissiveFactor times emissiveStrength is (0, inf, -1), expected 0 to 1e+30");
+    record = good;
+    record.materials[0].emissive_texture.transform[2] = infinity;
+    expect_refused(record, "hall.glb: material \"odd\"", "the transform of emissiveTexture is not finite");
+    record = good;
+    record.lamps.push_back({.kind = LampKind::point, .node_path = "/sun", .intensity = {1, -2, 3}, .world = Matrix44d()});
+    expect_refused(record, "hall.glb: lamp /sun", "color times intensity is (1, -2, 3), expected 0 to 1e+30");
+}
+
+TEST(SceneBuild, ATextureCannotMakeTheBrightestLightEndless) {
+    SceneRecord record = quad_record();
+    record.images.resize(1);
+    record.images[0].bytes = {1};
+    record.textures = {{.image = 0}};
+    record.materials.resize(1);
+    record.materials[0].emission = {1e30, 1e30, 1e30};
+    record.materials[0].emissive_texture.texture = 0;
+    record.meshes[0].primitives[0].material = 0;
+    const float infinity = std::numeric_limits<float>::infinity();
+    const Built built(record, [&](ByteView, const std::string&) {
+        return std::optional(DecodedImage{1, 1, {{infinity, std::nanf(""), -1.0f, 1.0f}}});
+    });
+    EXPECT_EQ(surface_emission(built.scene, 0, 0.2f, 0.2f), Rgb(static_cast<float>(pi * 1e30), 0, 0));
 }
 
 TEST(SceneBuild, ExtremeEmissionSurvives) {
