@@ -1,5 +1,7 @@
 #include "baker/bake/light_stages.h"
 
+#include <algorithm>
+
 #include "baker/bake/stage_files.h"
 #include "baker/light/gather.h"
 #include "baker/light/patch_irradiance.h"
@@ -17,7 +19,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
                         StageClock& clock, BakeReport& report) {
     BakedLight light;
-    light.key = KeyBuilder("light 3")
+    light.key = KeyBuilder("light 4")
                     .key(solution.key)
                     .integer(options.gather_rays)
                     .integer(options.lamp_points)
@@ -25,8 +27,13 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
                     .integer(static_cast<int>(options.interpolation))
                     .finish();
     light.folder = folder.lightmaps(light.key);
-    std::vector<Rgb> radiosity;
-    for (const Channels& b : solution.result.radiosity) radiosity.push_back(to_rgb(b));
+    std::vector<Rgb> reflected;
+    for (PatchNumber p = 0; p < g.patches.count(); ++p) {
+        Channels rest = solution.result.radiosity[p];
+        for (std::size_t c = 0; c < 3; ++c)
+            rest[c] = std::max(0.0, rest[c] - static_cast<double>(g.patches.patches[p].emission[static_cast<int>(c)]));
+        reflected.push_back(to_rgb(rest));
+    }
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
     clock.stage("light", [&] {
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
@@ -40,7 +47,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
             if (load_lightmap(path, light.key, g.texels.pages[page].texels.size())) continue;
             reused = false;
             if (options.gather_rays) {
-                const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, emitters, radiosity};
+                const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, emitters, reflected};
                 save_lightmap(path, light.key,
                               gather_page(input, page, {options.gather_rays, true, options.lamp_points, near_m, options.seed}, &progress));
             } else {

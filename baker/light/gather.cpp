@@ -147,7 +147,7 @@ class TexelGather {
         if (near.is_near(batch.hits[k].distance_m))
             vertices.push_back(near.vertex(batch.rays[k], batch.hits[k], at.patch, batch.number[k], Rgb(share, share, share)));
         else
-            sum.add(in_.radiosity[at.patch] - emission, share);
+            sum.add(in_.reflected[at.patch], share);
         if (emission != Rgb(0, 0, 0)) sum.add(emission, weight(batch, k, at.patch, shares));
     }
 

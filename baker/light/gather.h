@@ -31,10 +31,12 @@ struct GatherInput {
     const PatchSet& patches;
     const Tracer& tracer;
     const EmitterSet& emitters;
-    std::span<const Rgb> radiosity;  ///< B per patch number, lm/m2, self-emission included
+    /// B - M per patch number, lm/m2: radiosity without self-emission, which may be so much brighter that a float of both has
+    /// lost it.
+    std::span<const Rgb> reflected;
 };
 
-/// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, radiosity
+/// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, light
 /// and options: neither pages nor threads change the points. Adds texels to `progress`.
 std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
                              ProgressCounter* progress);

@@ -136,7 +136,7 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
         if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share)
             further.push_back(next);
         else
-            sum.add(in_.radiosity[at.patch] - patch.emission, from.throughput);
+            sum.add(in_.reflected[at.patch], from.throughput);
     }
     vertices = std::move(further);
 }

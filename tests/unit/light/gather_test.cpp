@@ -19,7 +19,9 @@ using test::SceneMaker;
 std::vector<std::vector<Rgb>> gather(const Prepared& made, std::span<const Rgb> radiosity,
                                      const GatherOptions& options) {
     const EmitterSet emitters(made.scene, made.atlas, made.patches);
-    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, radiosity};
+    std::vector<Rgb> reflected;
+    for (std::size_t p = 0; p < radiosity.size(); ++p) reflected.push_back(radiosity[p] - made.patches.patches[p].emission);
+    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, reflected};
     std::vector<std::vector<Rgb>> pages;
     for (std::uint32_t page = 0; page < made.texels.pages.size(); ++page)
         pages.push_back(gather_page(input, page, options, nullptr));
