@@ -6,6 +6,7 @@
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/accuracy/row_mean.h"
+#include "baker/bake/endless_light.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/store_stage.h"
 #include "baker/formfactors/hemicube_weights.h"
@@ -192,7 +193,19 @@ class Rounds {
         save_patches(path, keys.strips, patches);
     }
 
+    /// The solve had nothing to do: no factor was needed.
+    void report_trivial_solve() const {
+        const auto is_black = [](const Rgb& rho) { return rho == Rgb(0, 0, 0); };
+        const auto is_dark = [](const Channels& m) { return m == Channels{0, 0, 0}; };
+        if (std::ranges::all_of(scene_.sources.emission, is_dark))
+            report_.skipped.push_back({"solve", "the scene has no light"});
+        else if (std::ranges::all_of(scene_.solution.reflectance, is_black))
+            report_.skipped.push_back({"solve", "no surface reflects light: it ends where it first arrives"});
+    }
+
     SolvedScene finish() {
+        report_trivial_solve();
+        judge_endless_light(options_, g_, scene_.matrix, scene_.solution, report_);
         describe_matrix();
         remove_other_store(options_, folder_, scene_.matrix.strip_key, evidence_.round_keys());
         // Drafts read the matrix once more for their texels; nobody else does.

@@ -1,7 +1,6 @@
 #include "baker/bake/solve_stage.h"
 
-#include <algorithm>
-
+#include "baker/bake/endless_light.h"
 #include "baker/bake/stage_files.h"
 #include "baker/light/patch_lamps.h"
 #include "baker/solver/energy_audit.h"
@@ -10,20 +9,6 @@
 
 namespace luxel {
 namespace {
-
-/// Reflectance per patch. Exactly 1 is common (glTF's default colour) and would let light in a crack bounce for ever: that
-/// no way out exists is known only as well as the patch's rays can tell, so it is taken as 1 - 1 / (2 N).
-std::vector<Rgb> reflectances(const PatchSet& patches, const RayTallies& tallies) {
-    std::vector<Rgb> values;
-    for (std::size_t p = 0; p < patches.count(); ++p) {
-        const float most = 1 - 0.5f / static_cast<float>(std::max(tallies.rays[p], 1u));
-        Rgb value = patches.patches[p].reflectance;
-        for (int c = 0; c < 3; ++c)
-            if (value[c] >= 1) value[c] = most;
-        values.push_back(value);
-    }
-    return values;
-}
 
 /// Light that the equation starts from: self-emission, and what the patch reflects of the lamps' direct light.
 std::vector<Channels> first_light(const PatchSet& patches, std::span<const Rgb> lamp_irradiance) {
@@ -81,7 +66,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
                             BakeReport& report) {
     BakedSolution solution;
     solution.key = solution_key(options, g, matrix.key, tolerance);
-    solution.reflectance = reflectances(g.patches, matrix.strips->tallies());
+    solution.reflectance = solvable_reflectances(g.patches, matrix.strips->tallies());
     clock.stage("solve", [&] {
         const auto path = folder.solution(solution.key);
         if (auto result = load_solution(path, solution.key, g.patches.count())) {

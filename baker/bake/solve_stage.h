@@ -14,7 +14,7 @@ struct BakedSources {
 /// Radiosity per patch with everything that a texel needs of it.
 struct BakedSolution {
     SolveResult result;
-    std::vector<Rgb> reflectance;  ///< per patch, as solved with
+    std::vector<Rgb> reflectance;  ///< per patch, as solved with (endless_light.h)
     Key key;
 };
 
