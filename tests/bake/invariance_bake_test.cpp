@@ -72,5 +72,56 @@ TEST(InvarianceDraft, ThreadsDoNotChangeAByte) {
     EXPECT_EQ(differences(one.stored, two.stored), "");
 }
 
+class SolverInvariance : public testing::TestWithParam<SolverKind> {
+  protected:
+    static BakeOptions options() {
+        BakeOptions options = small_options(sample("corridor_4"), {});
+        options.unwrap.page_size = 128;
+        options.gather_rays = 0;
+        options.solver = GetParam();
+        return options;
+    }
+};
+
+TEST_P(SolverInvariance, ThreadsAndMemoryDoNotChangeAByte) {
+    const TemporaryFolder folder;
+    BakeOptions options = SolverInvariance::options();
+    options.threads = 1;
+    options.memory_bytes = std::uint64_t{4} << 30;
+    const FinishedBake one = bake_in(folder / "one", options);
+    EXPECT_GT(one.report.chunks, 4u);
+    options.threads = 3;
+    options.output = folder / "probe.glb";
+    options.memory_bytes = smallest_memory(options) + (std::uint64_t{4} << 20);
+    const FinishedBake other = bake_in(folder / "other", options);
+    EXPECT_EQ(differences(one.outputs, other.outputs), "");
+    EXPECT_EQ(differences(one.stored, other.stored), "");
+}
+
+TEST_P(SolverInvariance, ChunksDoNotChangeTheLight) {
+    const TemporaryFolder folder;
+    BakeOptions options = SolverInvariance::options();
+    options.tolerance = 1e-8;
+    options.importance = false;  // a fixed plan of rays, as above
+    const FinishedBake fine = bake_in(folder / "fine", options);
+    options.chunk_patches = 512;
+    const FinishedBake coarse = bake_in(folder / "coarse", options);
+    EXPECT_TRUE(fine.report.converged && coarse.report.converged);
+    EXPECT_GT(fine.report.chunks, coarse.report.chunks);
+    const std::vector<float> expected = stored_irradiance(folder / "coarse/work"), found = stored_irradiance(folder / "fine/work");
+    ASSERT_EQ(found.size(), expected.size());
+    // Relative to the light there or to the mean: the tolerance is one of all light, which dark texels have little of.
+    double mean = 0;
+    for (const float value : expected) mean += static_cast<double>(value) / static_cast<double>(expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k)
+        ASSERT_NEAR(found[k], expected[k], 1e-6 * std::max<double>(std::fabs(expected[k]), mean)) << "value " << k;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SolverInvariance,
+                         testing::Values(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
+                         [](const testing::TestParamInfo<SolverKind>& kind) {
+                             return std::string(solver_names()[static_cast<std::size_t>(kind.param)]);
+                         });
+
 }  // namespace
 }  // namespace luxel::test
