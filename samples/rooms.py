@@ -1,4 +1,5 @@
-"""Rooms in a grid, with doors in the shared walls, ceiling lamps and furniture: the corridor samples, the solver scenes and two_rooms.
+"""Rooms in a grid, with doors in the shared walls, ceiling lamps and furniture: the corridor samples, two_rooms and
+scenes for measuring solvers.
 
 Only what can be seen from inside is modelled: inner faces of walls, and the reveals of the doors, which give the walls
 their thickness. All fronts look into the air; the whole is closed. Solids meet the floor, the ceiling or each other

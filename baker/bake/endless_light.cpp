@@ -79,7 +79,8 @@ std::vector<double> light_by_material(const BakedGeometry& g, const std::vector<
     for (PatchNumber p = 0; p < ended.size(); ++p) {
         const auto fragments = g.patches.fragments_of(p);
         if (fragments.empty()) continue;
-        light[g.scene.objects[g.scene.triangle_object[fragments.front().triangle]].material] += std::ranges::max(ended[p].fictive);
+        const Object& object = g.scene.objects[g.scene.triangle_object[fragments.front().triangle]];
+        light[object.material] += std::ranges::max(ended[p].fictive);
     }
     return light;
 }

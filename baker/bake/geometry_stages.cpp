@@ -54,7 +54,8 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     g.record = read_scene(g.document);
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
-    g.scene = build_scene(g.record, decode, {.bad_values = options.bad_values, .file = options.input.filename().string()}, report.warnings);
+    const BuildOptions build{.bad_values = options.bad_values, .file = options.input.filename().string()};
+    g.scene = build_scene(g.record, decode, build, report.warnings);
     warn_of_simplifications(g.scene, report.warnings);
     if (g.scene.triangles.empty())
         throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",

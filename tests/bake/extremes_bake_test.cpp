@@ -75,8 +75,8 @@ TEST_P(Brightness, ChangesNothingButTheScale) {
     std::vector<float> plain;
     for (const double nits : {1.0, 1e-30, 1e30}) {
         const std::string name = std::to_string(std::lround(std::log10(nits)));
-        BakeOptions options = small_options(edited_sample("two_rooms", folder / ("scene" + name), [&](json& d) { set_strength(d, nits); }),
-                                            folder / ("out" + name) / "scene.gltf");
+        const auto input = edited_sample("two_rooms", folder / ("scene" + name), [&](json& d) { set_strength(d, nits); });
+        BakeOptions options = small_options(input, folder / ("out" + name) / "scene.gltf");
         options.work = folder / ("work" + name);
         options.gather_rays = GetParam();
         const BakeReport report = bake(options);
@@ -196,7 +196,8 @@ TEST(Reflectance, OfOneWorksWhereLightCanLeave) {
     EXPECT_TRUE(report.converged);
     expect_finite_pages(report);
     EXPECT_LE(energy_imbalance(report), 1e-3);
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(report.lost_lm[c] / report.emitted_lm[c], 1.0, 0.02);  // nothing else ends it
+    // Nothing else ends it.
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(report.lost_lm[c] / report.emitted_lm[c], 1.0, 0.02);
 }
 
 /// All of two closed rooms is white but the lamp, a four-hundredth of it: few rays cannot tell, more can.
@@ -222,7 +223,8 @@ TEST(Reflectance, OfOneWorksWhereSomethingElseAbsorbs) {
         ASSERT_NE(warned, report.warnings.end());
         EXPECT_NE(warned->where.find("material \""), std::string::npos);
         const double percent = std::stod(warned->text.substr(warned->text.find("for ") + 4));
-        std::printf("%llu rays: of %.0f %% of the light they cannot tell where it ends\n", static_cast<unsigned long long>(rays), percent);
+        std::printf("%llu rays: of %.0f %% of the light they cannot tell where it ends\n",
+                    static_cast<unsigned long long>(rays), percent);
         EXPECT_LT(percent, before);
         before = percent;
     }
@@ -247,7 +249,7 @@ TEST(Reflectance, OfOneInOneOfTwoClosedRoomsIsAClearError) {
                 d["nodes"].push_back({{"mesh", d["meshes"].size() - 1}});
                 second.push_back(d["nodes"].size() - 1);
             }
-            d["nodes"].push_back({{"name", "small"}, {"children", second}, {"translation", {5, 0, 0}}, {"scale", {0.5, 0.5, 0.5}}});
+            d["nodes"].push_back({{"children", second}, {"translation", {5, 0, 0}}, {"scale", {0.5, 0.5, 0.5}}});
             d["scenes"][0]["nodes"].push_back(d["nodes"].size() - 1);
         };
     };
@@ -260,7 +262,8 @@ TEST(Reflectance, OfOneInOneOfTwoClosedRoomsIsAClearError) {
 
 TEST(Little, NoLight) {
     const TemporaryFolder folder;
-    BakeOptions options = small_options(edited_sample("two_rooms", folder / "scene", [](json& d) { set_strength(d, 0); }), folder / "out.glb");
+    const auto input = edited_sample("two_rooms", folder / "scene", [](json& d) { set_strength(d, 0); });
+    BakeOptions options = small_options(input, folder / "out.glb");
     options.work = folder / "work";
     const BakeReport report = bake(options);
     EXPECT_TRUE(report.converged);
@@ -271,7 +274,8 @@ TEST(Little, NoLight) {
 
 TEST(Little, OnePatchThatSeesNothing) {
     const TemporaryFolder folder;
-    BakeOptions options = small_options(edited_sample("furnace", folder / "scene", [](json& d) { d["scenes"][0]["nodes"] = {0}; }), folder / "out.glb");
+    const auto input = edited_sample("furnace", folder / "scene", [](json& d) { d["scenes"][0]["nodes"] = {0}; });
+    BakeOptions options = small_options(input, folder / "out.glb");
     options.work = folder / "work";
     options.patch_texels = 64;
     const BakeReport report = bake(options);
@@ -292,11 +296,13 @@ TEST(Little, TinyTriangleInAVastHall) {
         d["nodes"].push_back({{"name", "mote"}, {"mesh", d["meshes"].size()}, {"scale", {1e-6, 1e-6, 1e-6}}});
         d["scenes"][0]["nodes"] = {node, node + 1};
         // (0 0 0) (1 0 0) (0 0 -1) as floats
-        d["buffers"].push_back({{"byteLength", 36}, {"uri", "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAAAAAIC/"}});
+        const std::string corners = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAAAAAIC/";
+        d["buffers"].push_back({{"byteLength", 36}, {"uri", "data:application/octet-stream;base64," + corners}});
         d["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 36}});
-        d["accessors"].push_back({{"bufferView", d["bufferViews"].size() - 1}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"},
-                                  {"min", {0, 0, -1}}, {"max", {1, 0, 0}}});
-        d["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", d["accessors"].size() - 1}}}, {"material", 0}}}}});
+        d["accessors"].push_back({{"bufferView", d["bufferViews"].size() - 1}, {"componentType", 5126}, {"count", 3},
+                                  {"type", "VEC3"}, {"min", {0, 0, -1}}, {"max", {1, 0, 0}}});
+        const json position = {{"POSITION", d["accessors"].size() - 1}};
+        d["meshes"].push_back({{"primitives", {{{"attributes", position}, {"material", 0}}}}});
     };
     BakeOptions options = small_options(edited_sample("furnace", folder / "scene", edit), folder / "out.glb");
     options.work = folder / "work";

@@ -307,7 +307,8 @@ class Input(Case):
                             "emissiveStrength is (inf, 1e+300, 0), expected 0 to 1e+30": strength(1e300, (1e300, 1, 0))}.items():
             with self.subTest(words):
                 source = self.scene(edit)
-                self.assert_refused(self.bake("--bad-values", "refuse", source=source), BAD_INPUT, "scene.gltf", 'material "glow"', words)
+                refused = self.bake("--bad-values", "refuse", source=source)
+                self.assert_refused(refused, BAD_INPUT, "scene.gltf", 'material "glow"', words)
                 result = self.bake(source=source)
                 self.assert_done(result)
                 self.assertIn('luxel: warning: material "glow": ', result.stderr)
@@ -320,6 +321,10 @@ class Input(Case):
         with open(source, "w", encoding="utf-8") as file:
             file.write(text)
         self.assert_refused(self.bake(source=source), BAD_INPUT, "scene.gltf", "1e999")
+
+    def test_light_that_never_ends(self):
+        source = self.scene(lambda document: document["materials"][0]["pbrMetallicRoughness"].update(baseColorFactor=[1, 1, 1, 1]))
+        self.assert_refused(self.bake(source=source), BAD_INPUT, "scene.gltf", 'material "glow"', "the light never ends")
 
     def test_nothing_to_bake(self):
         source = self.scene(lambda document: document["scenes"][0].update(nodes=[]))

@@ -200,7 +200,7 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
     command.add_option("--bad-values", a.bad_values,
-                       "colours outside 0 to 1, and light that is negative or above 1e30: the nearest that can be, with a warning, or an error")
+                       "colours outside 0 to 1, light below 0 or above 1e30: the nearest that can be, with a warning, or an error")
         ->check(CLI::IsMember({"clamp", "refuse"}))->capture_default_str()->group("Running");
     command.add_option("--memory", a.memory, "budget beside the scene's geometry, K/M/G")
         ->capture_default_str()->group("Running");
