@@ -162,6 +162,7 @@ bool CoarseSpace::solve(std::size_t c, std::vector<Channels>& levels) const {
 }
 
 std::vector<Channels> CoarseSpace::solve(std::vector<Channels> moments) const {
+    if (vectors_.empty()) return {};
     for (std::size_t c = 0; c < 3; ++c)
         if (!solve(c, moments)) return {};
     return moments;

@@ -52,8 +52,8 @@ class CoarseSpace {
     /// Entries that one more vector of this chunk has at most.
     [[nodiscard]] std::uint64_t entries_of(ChunkNumber chunk) const;
 
-    /// c of every vector for the unshot light U (one entry per patch). Empty if the model is not positive: light that never
-    /// ends.
+    /// c of every vector for the unshot light U (one entry per patch). Empty if there are no vectors, or the model is not positive: light that
+    /// never ends.
     [[nodiscard]] std::vector<Channels> levels(std::span<const Channels> unshot) const;
 
     /// Sends at these levels: adds to the irradiance (without a patch's own part) and to the unshot light of all patches what follows. Uses

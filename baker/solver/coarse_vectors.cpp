@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "baker/core/parallel.h"
 
@@ -66,6 +67,36 @@ std::vector<Lanes> even_light(const Transport& transport, const ChunkSystem& sys
         for (std::size_t c = 0; c < 3; ++c) light[i].v[c] = transport.scaled_reflectance(patch)[c];
     }
     return inside_the_chunk(system, std::move(light));
+}
+
+std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, const ChunkSystem& system, const Block& diagonal) {
+    constexpr std::size_t most_parts = 4;
+    // Union-find over the pairs.
+    std::vector<std::size_t> parent(system.size());
+    std::iota(parent.begin(), parent.end(), std::size_t{0});
+    const auto root = [&](std::size_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    for (std::size_t row = 0; row + 1 < diagonal.row_begin.size(); ++row)
+        for (std::size_t k = diagonal.row_begin[row]; k < diagonal.row_begin[row + 1]; ++k) {
+            const std::size_t a = root(row), b = root(diagonal.columns[k]);
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+    std::vector<std::size_t> patches_of(system.size(), 0), roots;
+    for (std::size_t i = 0; i < system.size(); ++i) ++patches_of[root(i)];
+    for (std::size_t i = 0; i < system.size(); ++i)
+        if (patches_of[i] > 1) roots.push_back(i);
+    std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) { return patches_of[a] > patches_of[b]; });
+    if (roots.size() > most_parts) roots.resize(most_parts);
+    const std::vector<Lanes> all = even_light(transport, system);
+    std::vector<std::vector<Lanes>> parts;
+    for (const std::size_t part : roots) {
+        std::vector<Lanes>& light = parts.emplace_back(all);
+        for (std::size_t i = 0; i < light.size(); ++i)
+            if (root(i) != part) light[i] = Lanes{};
+    }
+    return parts;
 }
 
 std::vector<std::vector<Lanes>> neighbour_light(Transport& transport, const ChunkSystem& system, std::size_t most) {

@@ -144,11 +144,13 @@ class Conjugate final : public SolverVectors {
     /// Steps until the bound is low enough for the last read, or reads run out. True: the caller wants no more.
     bool improve() {
         std::vector<Lanes> q(count_);
+        if (bound() <= aim * frame_.options().tolerance) return false;  // the model alone was enough
         while (frame_.may_read(2 * frame_.total_bytes())) {
             apply(p_, q);
             const Channels curvature = dot(p_, q);
             Channels step{0, 0, 0};
             for (std::size_t c = 0; c < 3; ++c) step[c] = curvature[c] > 0 ? rest_[c] / curvature[c] : 0.0;
+            if (step == Channels{0, 0, 0}) return false;  // only rounding is left
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c) {
                     x_[i].v[c] += scale_[i].v[c] * step[c] * p_[i].v[c];

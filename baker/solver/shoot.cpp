@@ -241,12 +241,15 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
             for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, most_neighbours)) light.push_back(std::move(of_neighbour));
     }
     const std::uint64_t entries = coarse_.entries_of(chunk);
-    // What is emitted where nothing is reflected is sent once and never again.
     light.emplace_back(sent.begin(), sent.end());
-    for (std::size_t i = 0; i < sent.size(); ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            if (system.scale()[i].v[c] == 0) light.back()[i].v[c] = 0;
-    for (const std::vector<Lanes>& radiosity : light) {
+    for (std::vector<Lanes>& radiosity : light) {
+        for (std::size_t i = 0; i < radiosity.size(); ++i)
+            for (std::size_t c = 0; c < 3; ++c) {
+                // What is emitted where nothing is reflected is sent once and never again. And where no light has come yet none is guessed: a
+                // chunk may reach into a room that is closed to all light.
+                const bool is_dark = irradiance_[transport_.first(chunk) + i][c] == 0;
+                if (system.scale()[i].v[c] == 0 || is_dark) radiosity[i].v[c] = 0;
+            }
         if (coarse_.entries() + (new_vectors_.size() + 1) * entries > CoarseSpace::most_entries(unshot_.size())) return;
         std::vector<Lanes> own;
         system.multiply(radiosity, own);

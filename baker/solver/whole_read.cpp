@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <optional>
 
 #include "baker/core/parallel.h"
 #include "baker/solver/chunk_system.h"
@@ -94,31 +93,38 @@ std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const La
     for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) entries += space.entries_of(chunk);
     if (entries > CoarseSpace::most_entries(x.size())) return exchange_everywhere(transport, x);
     const auto of_chunk = [&](ChunkNumber chunk) { return x.subspan(transport.first(chunk), transport.size(chunk)); };
-    std::vector<std::vector<Lanes>> inside(chunk_count), light(chunk_count), own(chunk_count);
+    std::vector<std::vector<Lanes>> inside(chunk_count);
+    std::vector<std::vector<std::vector<Lanes>>> light(chunk_count), own(chunk_count);  // per chunk and part of it
     parallel_for(chunk_count, 1, [&](std::size_t k) {
         const auto chunk = static_cast<ChunkNumber>(k);
         Block diagonal;
         const bool has_pairs = transport.load_diagonal(chunk, diagonal);
         const ChunkSystem system(transport, chunk, has_pairs ? &diagonal : nullptr);
         system.multiply(of_chunk(chunk), inside[k]);
-        light[k] = even_light(transport, system);
-        system.multiply(light[k], own[k]);
+        light[k] = even_light_of_parts(transport, system, diagonal);
+        own[k].resize(light[k].size());
+        for (std::size_t part = 0; part < light[k].size(); ++part) system.multiply(light[k][part], own[k][part]);
     });
-    std::vector<std::optional<std::size_t>> vector(chunk_count);
-    for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) {
-        vector[chunk] = space.add(chunk, light[chunk], own[chunk]);
-        if (vector[chunk]) light[chunk] = space.radiosity(*vector[chunk]);
-    }
+    std::vector<std::vector<std::size_t>> vectors(chunk_count);
+    for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk)
+        for (std::size_t part = 0; part < light[chunk].size(); ++part)
+            if (const auto vector = space.add(chunk, light[chunk][part], own[chunk][part])) vectors[chunk].push_back(*vector);
     const auto places = places_in_rows(transport);
     std::vector<std::size_t> indexes;
     for (std::size_t k = 0; k < transport.blocks().size(); ++k)
         if (transport.blocks()[k].a != transport.blocks()[k].b) indexes.push_back(k);
     std::vector<Lanes> y = sum_over_blocks(transport, indexes, [&](std::size_t index, const Block& block, Part& part) {
         apply_both(block, of_chunk(block.a), of_chunk(block.b), part.y_a, part.y_b);
-        std::vector<Lanes> to_a(part.y_a.size()), to_b(part.y_b.size());
-        apply_both(block, light[block.a], light[block.b], to_a, to_b);
-        if (vector[block.a]) space.set_column(*vector[block.a], places[index][0], to_b);
-        if (vector[block.b]) space.set_column(*vector[block.b], places[index][1], to_a);
+        for (const std::size_t vector : vectors[block.a]) {
+            std::vector<Lanes> to_b(part.y_b.size());
+            scatter_columns(block, space.radiosity(vector), to_b);
+            space.set_column(vector, places[index][0], to_b);
+        }
+        for (const std::size_t vector : vectors[block.b]) {
+            std::vector<Lanes> to_a(part.y_a.size());
+            gather_rows(block, space.radiosity(vector), to_a);
+            space.set_column(vector, places[index][1], to_a);
+        }
     });
     for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk) add(inside[chunk], y.data() + transport.first(chunk));
     for (std::size_t v = 0; v < space.vector_count(); ++v) space.finish(v);
