@@ -102,8 +102,7 @@ class Conjugate final : public SolverVectors {
         ErrorSums sums;
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c)
-                sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c],
-                         transport_.area_m2(i) * (x_[i].v[c] + unshot_[i][c]));
+                sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], unshot_[i][c], x_[i].v[c] + unshot_[i][c]);
         return sums.bound(frame_.emitted_power());
     }
 

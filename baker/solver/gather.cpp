@@ -51,8 +51,7 @@ class Jacobi final : public SolverVectors {
         for (PatchNumber i = 0; i < sent_.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
                 unshot_[i][c] = radiosity(i, c) - sent_[i].v[c];
-                sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c],
-                         transport_.area_m2(i) * radiosity(i, c));
+                sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], unshot_[i][c], radiosity(i, c));
             }
         return sums.bound(frame_.emitted_power());
     }
@@ -119,7 +118,7 @@ class Gatherer final : public SolverVectors {
                 const double weight = transport_.area_m2(i) * adjoint_.weight(i)[c];
                 const double rest =
                     frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - radiosity_[i].v[c];
-                sums.add(c, weight, change_[i][c], transport_.area_m2(i) * radiosity_[i].v[c]);
+                sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], change_[i][c], radiosity_[i].v[c]);
                 // The rest may be of either sign beside the change.
                 sums.weighted[c] += weight * std::abs(rest);
                 sums.negative[c] += weight * std::abs(rest);

@@ -25,6 +25,9 @@ constexpr double small_part = 0.5;
 /// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so many pairs of a row
 /// (each pair is applied some ten times inside the chunk).
 constexpr std::uint64_t entries_per_pair = 2;
+/// What the model leaves is of both signs and cancels later, which the bound does not count on. Below this share of the tolerance, of unshot
+/// over all power, the light is right; what is left to do is to bring the bound down, and shots alone do that better.
+constexpr double model_until = 0.5;
 
 class Shooter final : public SolverVectors {
   public:
@@ -42,6 +45,7 @@ class Shooter final : public SolverVectors {
         const std::size_t count = transport_.layout().patch_count();
         return {1 + 3 * count, 3 * count, 3 * count, 2, any_size};
     }
+    [[nodiscard]] ErrorSums total() const;
     [[nodiscard]] double error_bound();
     [[nodiscard]] ChunkNumber best_chunk() const;
     void shoot(ChunkNumber chunk);
@@ -98,7 +102,7 @@ void Shooter::weigh(ChunkNumber chunk) {
     for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
         for (std::size_t c = 0; c < 3; ++c) {
             const double radiosity = frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c];
-            sums.add(c, transport_.area_m2(i) * adjoint_.weight(i)[c], unshot_[i][c], transport_.area_m2(i) * radiosity);
+            sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], unshot_[i][c], radiosity);
         }
 }
 
@@ -106,14 +110,14 @@ void Shooter::weigh_all() {
     parallel_for(sums_.size(), 1, [&](std::size_t chunk) { weigh(static_cast<ChunkNumber>(chunk)); });
 }
 
-double Shooter::error_bound() {
+ErrorSums Shooter::total() const {
     ErrorSums all;
-    for (const ErrorSums& sums : sums_)
-        for (std::size_t c = 0; c < 3; ++c) {
-            all.weighted[c] += sums.weighted[c];
-            all.negative[c] += sums.negative[c];
-            all.power[c] += sums.power[c];
-        }
+    for (const ErrorSums& sums : sums_) all.add(sums);
+    return all;
+}
+
+double Shooter::error_bound() {
+    const ErrorSums all = total();
     power_ = all.power;
     return all.bound(frame_.emitted_power());
 }
@@ -260,6 +264,11 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
 /// Sends, without a read, the light that the coarse model says is still to come.
 void Shooter::coarse_step() {
     if (coarse_.vector_count() == 0 || coarse_.entries() > entries_per_pair * pairs_since_step_) return;
+    const ErrorSums now = total();
+    double unshot = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (now.power[c] > 0) unshot = std::max(unshot, now.unshot[c] / now.power[c]);
+    if (unshot < model_until * frame_.options().tolerance) return;
     pairs_since_step_ = 0;
     const std::vector<Channels> levels = coarse_.levels(unshot_);
     if (levels.empty()) return;

@@ -183,10 +183,21 @@ SolveResult SolveFrame::finish(const SolverVectors& solver) {
     return result;
 }
 
-void ErrorSums::add(std::size_t channel, double weight, double unshot, double power_lm) {
-    weighted[channel] += weight * std::abs(unshot);
-    if (unshot < 0) negative[channel] += weight * std::abs(unshot);
-    power[channel] += power_lm;
+void ErrorSums::add(std::size_t c, double area_m2, double weight, double unshot_radiosity, double radiosity) {
+    const double left = area_m2 * std::abs(unshot_radiosity);
+    unshot[c] += left;
+    weighted[c] += weight * left;
+    if (unshot_radiosity < 0) negative[c] += weight * left;
+    power[c] += area_m2 * radiosity;
+}
+
+void ErrorSums::add(const ErrorSums& other) {
+    for (std::size_t c = 0; c < 3; ++c) {
+        weighted[c] += other.weighted[c];
+        unshot[c] += other.unshot[c];
+        negative[c] += other.negative[c];
+        power[c] += other.power[c];
+    }
 }
 
 double ErrorSums::bound(const Channels& emitted) const {

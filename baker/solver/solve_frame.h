@@ -100,11 +100,13 @@ class SolveFrame {
 /// An upper bound of sum A |B* - B| over sum A B*, the worst channel. Without a unit.
 struct ErrorSums {
     Channels weighted{0, 0, 0};  ///< sum A w |U|, lm in the solver's scale (adjoint.h)
+    Channels unshot{0, 0, 0};    ///< sum A |U|
     Channels negative{0, 0, 0};  ///< the part of it where U < 0
     Channels power{0, 0, 0};     ///< sum A B
 
-    /// One patch in one channel: `weight` is A w, `power_lm` is A B.
-    void add(std::size_t channel, double weight, double unshot, double power_lm);
+    /// One patch in one channel: area A in m2, weight w, radiosities U and B.
+    void add(std::size_t channel, double area_m2, double weight, double unshot_radiosity, double radiosity);
+    void add(const ErrorSums& other);
     /// `emitted`: sum A M', which no light is less than.
     [[nodiscard]] double bound(const Channels& emitted) const;
 };
