@@ -40,6 +40,7 @@ std::filesystem::path BakeFolder::plan(const Key& key) const { return root_ / ("
 std::filesystem::path BakeFolder::accuracy(const Key& key) const { return root_ / ("accuracy-" + key.text() + ".lxv"); }
 std::filesystem::path BakeFolder::closure(const Key& key) const { return root_ / ("closure-" + key.text() + ".lxc"); }
 std::filesystem::path BakeFolder::solution(const Key& key) const { return root_ / ("solution-" + key.text() + ".lxr"); }
+std::filesystem::path BakeFolder::checkpoint(const Key& solution) const { return root_ / ("checkpoint-" + solution.text() + ".lxk"); }
 
 std::filesystem::path BakeFolder::evidence(const Key& key) const {
     const auto folder = root_ / ("evidence-" + key.text());
@@ -64,13 +65,23 @@ std::filesystem::path BakeFolder::lightmaps(const Key& key) const {
 
 Key BakeFolder::hot_key(const Key& strips) { return KeyBuilder("hot 1").key(strips).finish(); }
 
-void BakeFolder::discard(const Key& strips, const Key& closure_key, const Key& solution_key) const {
+void BakeFolder::discard(const Key& strips, const Key& closure_key) const {
     std::error_code ignored;
     std::filesystem::remove(patches(strips), ignored);
     discard_strips(strips);
     discard_directory(strips);
     std::filesystem::remove(closure(closure_key), ignored);
-    std::filesystem::remove(solution(solution_key), ignored);
+}
+
+void BakeFolder::discard_solution(const Key& key) const {
+    std::error_code ignored;
+    std::filesystem::remove(solution(key), ignored);
+    discard_checkpoint(key);
+}
+
+void BakeFolder::discard_checkpoint(const Key& solution) const {
+    std::error_code ignored;
+    std::filesystem::remove(checkpoint(solution), ignored);
 }
 
 void BakeFolder::discard_strips(const Key& strips) const {
@@ -95,9 +106,9 @@ void BakeFolder::discard_directory(const Key& strips) const {
 }
 
 std::optional<BakeFolder::StageName> BakeFolder::stage_of(const std::filesystem::path& name) {
-    static constexpr std::array<std::pair<const char*, const char*>, 11> stages{
+    static constexpr std::array<std::pair<const char*, const char*>, 12> stages{
         {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"directory", ".lxd"}, {"hot", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"},
-         {"solution", ".lxr"}, {"accuracy", ".lxv"}, {"lightmaps", ""}}};
+         {"solution", ".lxr"}, {"checkpoint", ".lxk"}, {"accuracy", ".lxv"}, {"lightmaps", ""}}};
     const std::string text = name.filename().string();
     for (const auto& [stage, ending] : stages) {
         const std::string prefix = std::string(stage) + "-";

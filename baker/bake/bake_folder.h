@@ -9,6 +9,7 @@
 ///     plan-<key>.lxl                      stage_files.h
 ///     closure-<key>.lxc                   stage_files.h
 ///     solution-<key>.lxr                  stage_files.h
+///     checkpoint-<key>.lxk                stage_files.h; the key is that of the solution, which takes its place
 ///     accuracy-<key>.lxv                  stage_files.h
 ///     lightmaps-<key>/page-<n>.lxp        stage_files.h
 ///
@@ -40,6 +41,7 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path plan(const Key& key) const;
     [[nodiscard]] std::filesystem::path closure(const Key& key) const;
     [[nodiscard]] std::filesystem::path solution(const Key& key) const;
+    [[nodiscard]] std::filesystem::path checkpoint(const Key& solution) const;
     [[nodiscard]] std::filesystem::path accuracy(const Key& key) const;
     [[nodiscard]] std::filesystem::path lightmaps(const Key& key) const;  ///< folder, made if missing
 
@@ -48,7 +50,10 @@ class BakeFolder {
 
     /// Removes a matrix that only served to choose rays, and what was found with it; what is not there is no error, here and
     /// below.
-    void discard(const Key& strips, const Key& closure, const Key& solution) const;
+    void discard(const Key& strips, const Key& closure) const;
+    /// Removes a solution, or what there is of it.
+    void discard_solution(const Key& solution) const;
+    void discard_checkpoint(const Key& solution) const;
     /// Removes the strips of a matrix, or one round of evidence.
     void discard_strips(const Key& strips) const;
     void discard_evidence(const Key& evidence) const;

@@ -169,8 +169,8 @@ class Rounds {
         scene_.matrix = {};
         scene_.solution = {};
         const MatrixKeys keys = matrix_keys(options_, evidence_);
-        folder_.discard(keys.strips, keys.closure,
-                        solution_key(options_, g_, keys.closure, by_error() ? options_.tolerance : loose_tolerance));
+        folder_.discard(keys.strips, keys.closure);
+        folder_.discard_solution(solution_key(options_, g_, keys.closure, by_error() ? options_.tolerance : loose_tolerance));
         if (by_error()) {
             std::error_code ignored;
             const Key solution = solution_key(options_, g_, keys.closure, options_.tolerance);

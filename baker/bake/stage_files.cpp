@@ -1,6 +1,7 @@
 #include "baker/bake/stage_files.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace luxel {
@@ -56,6 +57,8 @@ std::vector<Channels> channels(const std::vector<double>& values) {
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
     return all;
 }
+
+ByteView text_bytes(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
 
 bool absent(const std::filesystem::path& path) {
     std::error_code ignored;
@@ -134,7 +137,7 @@ void save_solution(const std::filesystem::path& path, const Key& key, const Solv
         history.push_back(step.error_bound);
     }
     append_column<double>(file, 3, history);
-    file.append(4, ByteView(reinterpret_cast<const std::uint8_t*>(result.solver.data()), result.solver.size()), 0);
+    file.append(4, text_bytes(result.solver), 0);
     append_column<double>(file, 5, flat(result.irradiance));
     file.publish();
 }
@@ -158,6 +161,43 @@ std::optional<SolveResult> load_solution(const std::filesystem::path& path, cons
         result.history.push_back({whole(file, history[k], most_whole, "history"), bound(file, history[k + 1])});
     result.solver = read_name(file, 4);
     return result;
+}
+
+void save_checkpoint(const std::filesystem::path& path, const Key& key, const SolveState& state) {
+    BlockFileWriter file(path, FileKind::checkpoint, version, key);
+    file.append(0, text_bytes(state.solver), 0);
+    append_column<std::uint64_t>(file, 1, std::array{state.bytes_read, state.requested_bytes});
+    std::vector<std::uint64_t> bytes;
+    std::vector<double> bounds;
+    for (const SolveStep& step : state.history) {
+        bytes.push_back(step.bytes_read);
+        bounds.push_back(step.error_bound);
+    }
+    append_column<std::uint64_t>(file, 2, bytes);
+    append_column<double>(file, 3, bounds);
+    for (const auto& numbers : state.numbers) append_column<double>(file, file.block_count(), numbers);
+    file.publish();
+}
+
+std::optional<SolveState> load_checkpoint(const std::filesystem::path& path, const Key& key) {
+    if (absent(path) || identify_block_file(path).version != version) return {};
+    const BlockFileReader file(path, FileKind::checkpoint, version, &key);
+    constexpr std::size_t first_vector = 4;
+    require_numbered_blocks(file, std::max(file.blocks().size(), first_vector));
+    SolveState state;
+    state.solver = read_name(file, 0);
+    const auto counts = read_column<std::uint64_t>(file, 1), bytes = read_column<std::uint64_t>(file, 2);
+    const auto bounds = read_column<double>(file, 3);
+    check_size(file, counts.size(), 2, "bytes");
+    check_size(file, bounds.size(), bytes.size(), "history");
+    state.bytes_read = counts[0], state.requested_bytes = counts[1];
+    for (std::size_t k = 0; k < bytes.size(); ++k) state.history.push_back({bytes[k], bound(file, bounds[k])});
+    for (std::size_t k = first_vector; k < file.blocks().size(); ++k) {
+        state.numbers.push_back(read_column<double>(file, k));
+        for (const double number : state.numbers.back())
+            if (std::isnan(number)) damaged(file, "column " + std::to_string(k) + " holds what is not a number");
+    }
+    return state;
 }
 
 void save_accuracy(const std::filesystem::path& path, const Key& key, const StandardError& error) {

@@ -10,6 +10,8 @@
 /// accuracy  kind 10, version 1: 0 sigma of radiosity (f64, 3 per patch), 1 sigma of irradiance (f64, 3 per patch),
 ///           2 relative error (f64).
 /// lightmap  kind 6, version 1: 0 irradiance (f32, 3 per texel of the page, in texel order).
+/// checkpoint kind 13, version 1: SolveState: 0 name of the solver (text), 1 bytes that came from the disk, bytes that were
+///           asked for (2 u64), 2 history: bytes read (u64), 3 history: bound (f64), 4 ... the solver's vectors (f64).
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -33,6 +35,11 @@ std::optional<Closure> load_closure(const std::filesystem::path& path, const Key
 
 void save_solution(const std::filesystem::path& path, const Key& key, const SolveResult& result);
 std::optional<SolveResult> load_solution(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
+
+void save_checkpoint(const std::filesystem::path& path, const Key& key, const SolveState& state);
+/// Empty also for another version: what was in work is begun again. Whether the vectors fit is for the solver to say; none
+/// of their numbers is a not-a-number.
+std::optional<SolveState> load_checkpoint(const std::filesystem::path& path, const Key& key);
 
 void save_accuracy(const std::filesystem::path& path, const Key& key, const StandardError& error);
 std::optional<StandardError> load_accuracy(const std::filesystem::path& path, const Key& key, std::size_t patch_count);

@@ -25,6 +25,7 @@ FileKind kind_of(const std::string& stage) {
     if (stage == "plan") return FileKind::plan;
     if (stage == "closure") return FileKind::closure;
     if (stage == "solution") return FileKind::solution;
+    if (stage == "checkpoint") return FileKind::checkpoint;
     if (stage == "accuracy") return FileKind::accuracy;
     return FileKind::lightmap;
 }
@@ -43,6 +44,7 @@ void load_whole(const std::string& stage, const std::filesystem::path& path, con
     if (stage == "plan") load_plan(path, key, elements(file, 0, 1));
     if (stage == "closure") load_closure(path, key, elements(file, 0, 8));
     if (stage == "solution") load_solution(path, key, elements(file, 0, 24));
+    if (stage == "checkpoint") load_checkpoint(path, key);
     if (stage == "accuracy") load_accuracy(path, key, elements(file, 0, 24));
     if (stage == "lightmaps") load_lightmap(path, key, elements(file, 0, 12));
     if (stage == "directory") load_directory(path, key);

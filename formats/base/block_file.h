@@ -25,7 +25,8 @@ enum class FileKind : std::uint32_t {
     plan = 9,       ///< levels of rays of one round
     accuracy = 10,  ///< standard error per patch
     patches = 11,   ///< bake/patches_file
-    directory = 12  ///< bake/directory_file
+    directory = 12, ///< bake/directory_file
+    checkpoint = 13 ///< a solve that has not ended
 };
 
 /// Stored with each block: never renumber.

@@ -14,6 +14,7 @@ void again(FileKind kind, const std::filesystem::path& path, std::size_t count) 
     if (kind == FileKind::solution) save_solution(path, fuzz::key, *load_solution(path, fuzz::key, count));
     if (kind == FileKind::plan) save_plan(path, fuzz::key, *load_plan(path, fuzz::key, count));
     if (kind == FileKind::accuracy) save_accuracy(path, fuzz::key, *load_accuracy(path, fuzz::key, count));
+    if (kind == FileKind::checkpoint) save_checkpoint(path, fuzz::key, *load_checkpoint(path, fuzz::key));
     if (kind == FileKind::lightmap) save_lightmap(path, fuzz::key, *load_lightmap(path, fuzz::key, count));
 }
 
@@ -24,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace luxel;
     if (size < 2) return 0;
     constexpr FileKind kinds[]{FileKind::closure, FileKind::solution, FileKind::plan, FileKind::accuracy,
-                               FileKind::lightmap};
+                               FileKind::lightmap, FileKind::checkpoint};
     const FileKind kind = kinds[data[0] % std::size(kinds)];
     const test::BlockContents contents = fuzz::contents_from({data + 2, size - 2}, kind, 1);
     const auto path = fuzz::scratch_file(contents);

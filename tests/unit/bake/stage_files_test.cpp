@@ -153,6 +153,41 @@ TEST(StageFiles, Solution) {
         folder / "s", [&](const Key& k, std::size_t n) { return load_solution(folder / "s", k, n).has_value(); }, 15);
 }
 
+TEST(StageFiles, Checkpoint) {
+    const test::TemporaryFolder folder;
+    const auto path = folder / "k";
+    const double infinite = std::numeric_limits<double>::infinity(), no_number = std::nan("");
+    const SolveState state{"shoot", 1ULL << 60, 3, {{4096, infinite}, {1ULL << 40, 1e-4}}, {numbers(40, 1), {}, {infinite, -0.0, 5e-324}}};
+    save_checkpoint(path, key, state);
+    const auto found = load_checkpoint(path, key);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->solver, state.solver);
+    EXPECT_EQ(found->bytes_read, state.bytes_read);
+    EXPECT_EQ(found->requested_bytes, 3u);
+    ASSERT_EQ(found->history.size(), 2u);
+    EXPECT_EQ(found->history[0].error_bound, infinite);
+    EXPECT_EQ(found->history[1].bytes_read, 1ULL << 40);
+    EXPECT_EQ(found->numbers, state.numbers);
+    EXPECT_TRUE(std::signbit(found->numbers[2][1]));
+    const auto load = [&] { load_checkpoint(path, key); };
+    EXPECT_TRUE(refuses(path, 3, 1, no_number, load));
+    EXPECT_TRUE(refuses(path, 3, 1, -1.0, load)) << "a bound";
+    EXPECT_TRUE(refuses(path, 4, 39, no_number, load));
+    EXPECT_TRUE(refuses<std::uint8_t>(path, 0, 0, 7, load)) << "a name with a bell";
+    EXPECT_TRUE(test::file_refused(path, [&] { load_checkpoint(path, other_key); }));
+    test::expect_tags_guarded(path, load);
+    const Bytes whole = read_file(path);
+    for (std::size_t block = 0; block < 4; ++block) {
+        test::rewrite(path, [&](auto& file) { file.parts.erase(file.parts.begin() + static_cast<std::ptrdiff_t>(block)); });
+        EXPECT_TRUE(test::file_refused(path, load)) << "without block " << block;
+        publish_file(path, whole);
+    }
+    std::filesystem::remove(path);
+    EXPECT_FALSE(load_checkpoint(path, key));
+    BlockFileWriter(path, FileKind::checkpoint, 99, key).publish();
+    EXPECT_FALSE(load_checkpoint(path, key)) << "of another version: begun again";
+}
+
 TEST(StageFiles, Plan) {
     const test::TemporaryFolder folder;
     const LevelPlan plan{{{0, 6}, no_levels, {7, 7}, {7, 6}, {21, 20}, {0, 20}, {3, 9}}};
