@@ -6,6 +6,7 @@
 #include "baker/bake/light_stages.h"
 #include "baker/bake/memory_plan.h"
 #include "baker/bake/solve_rounds.h"
+#include "baker/bake/stopping.h"
 #include "baker/bake/verify.h"
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
@@ -66,7 +67,7 @@ BakeReport bake(const BakeOptions& options) {
     const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
     const MemoryPlan plan =
         plan_memory(options.memory_bytes, fixed, geometry->patches.count(), options.chunk_patches,
-                    geometry->atlas.page_size, threads.threads(), image_library_is_loaded());
+                    geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.preview_s > 0);
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.
@@ -78,8 +79,10 @@ BakeReport bake(const BakeOptions& options) {
         if (solved.matrix.rows) report.rays_traced += solved.matrix.rows->rays_traced();
         return texels;
     }();
-    if (options.verify) verify(folder, strip_key, plan, clock, report);
+    if (options.verify && is_stopping(options)) note_stop(report, "verify", "the bake folder was not checked");
+    else if (options.verify) verify(folder, strip_key, plan, clock, report);
     write_outputs(options, *geometry, light, clock, report);
+    warn_of_stop(options, report);
     return report;
 }
 

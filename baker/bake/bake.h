@@ -7,6 +7,7 @@
 #include <string>
 
 #include "baker/bake/report.h"
+#include "baker/core/stop.h"
 #include "baker/light/interpolate.h"
 #include "baker/output/lightmap_encode.h"
 #include "baker/scene/value_check.h"
@@ -62,11 +63,16 @@ struct BakeOptions {
     unsigned threads = 0;                                 ///< 0: all cores
     std::string software = "luxel";                       ///< name and version for metadata
 
+    const StopRequest* stop = nullptr;  ///< asked: end early and write what is there (stopping.h); must outlive the bake
+    double checkpoint_s = 20;  ///< time between checkpoints of a solve; 0: after every step
+    double preview_s = 0;      ///< time between previews while solving (preview.h); 0: none
+
     /// (stage, done, total, unit): now and then, from any thread, one at a time.
     std::function<void(const std::string&, std::uint64_t, std::uint64_t, const char*)> progress;
 };
 
-/// Runs all stages. Throws Error; nothing half-written stays at the output's place. The report is complete on return.
+/// Runs all stages. Throws Error; nothing half-written stays at the output's place. The report is complete on return. Asked to
+/// stop before there is any light: Error{stopped_early}; later: outputs from what is there, and report.stopped.
 BakeReport bake(const BakeOptions& options);
 
 }  // namespace luxel

@@ -1,6 +1,7 @@
 #include "baker/bake/evidence_rounds.h"
 
 #include "baker/bake/estimator_choice.h"
+#include "baker/bake/stopping.h"
 #include "baker/formfactors/evidence.h"
 
 namespace luxel {
@@ -40,9 +41,11 @@ LevelPlan EvidenceRounds::all_levels() const {
     return all;
 }
 
-void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report) {
+bool EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report) {
     const ChunkLayout& layout = geometry_.layout;
     const auto place = folder_.evidence(key);
+    const std::size_t files_before = files_.size();
+    bool is_whole = true;
     clock.stage("evidence", [&] {
         ProgressCounter progress(planned_rays(plan, *estimator_, 0, layout.patch_count()), clock.progress("rays"));
         Publisher publisher;
@@ -56,6 +59,10 @@ void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& cl
                 continue;
             }
             reused = false;
+            if (is_stopping(options_)) {
+                is_whole = false;
+                break;
+            }
             write_chunk_evidence(*estimator_, layout, ids_, chunk, plan, path, key, publisher, &progress);
             report.rays_traced += rays;
         }
@@ -63,17 +70,21 @@ void EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& cl
         return reused;
     });
     report.evidence_seconds += clock.last_seconds();
+    if (!is_whole) files_.resize(files_before);
+    return is_whole;
 }
 
-void EvidenceRounds::add(const LevelPlan& plan, StageClock& clock, BakeReport& report) {
+bool EvidenceRounds::add(const LevelPlan& plan, StageClock& clock, BakeReport& report) {
     KeyBuilder builder("evidence 2");
     builder.key(geometry_.layout_key).key(estimator_->identity());
     for (const LevelRange& levels : plan.levels) builder.integer(levels.first).integer(levels.last);
     const Key key = builder.finish();
-    if (options_.store == StoreKind::all)
-        write(plan, key, clock, report);
-    else
+    if (options_.store == StoreKind::all) {
+        if (!write(plan, key, clock, report)) return false;
+    } else {
+        if (is_stopping(options_)) return false;
         plans_.push_back(plan);
+    }
     reached_ = levels_after(reached_, plan);
     total_rays_ += planned_rays(plan, *estimator_, 0, geometry_.layout.patch_count());
     round_keys_.push_back(key);
@@ -81,6 +92,7 @@ void EvidenceRounds::add(const LevelPlan& plan, StageClock& clock, BakeReport& r
     ++rounds_;
     report.evidence_rays = total_rays_;
     report.evidence_rounds = rounds_;
+    return true;
 }
 
 }  // namespace luxel

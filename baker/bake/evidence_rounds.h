@@ -15,8 +15,9 @@ class EvidenceRounds {
     EvidenceRounds& operator=(const EvidenceRounds&) = delete;
 
     /// Traces what the bake folder does not have yet of one more round. Stage "evidence". Where not all is stored, it only takes
-    /// note of the plan.
-    void add(const LevelPlan& plan, StageClock& clock, BakeReport& report);
+    /// note of the plan. False: it was asked to stop before the round was done, which then is no part of this; what was traced
+    /// of it stays in the bake folder.
+    bool add(const LevelPlan& plan, StageClock& clock, BakeReport& report);
 
     /// Of everything traced so far: names what is pooled from it.
     [[nodiscard]] const Key& key() const { return key_; }
@@ -41,7 +42,7 @@ class EvidenceRounds {
     [[nodiscard]] Key plan_key(std::uint32_t round) const;
 
   private:
-    void write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report);
+    bool write(const LevelPlan& plan, const Key& key, StageClock& clock, BakeReport& report);
 
     const BakeOptions& options_;
     const BakedGeometry& geometry_;

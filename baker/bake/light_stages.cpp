@@ -1,8 +1,10 @@
 #include "baker/bake/light_stages.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "baker/bake/stage_files.h"
+#include "baker/bake/stopping.h"
 #include "baker/light/gather.h"
 #include "baker/light/patch_irradiance.h"
 
@@ -13,57 +15,118 @@ Rgb to_rgb(const Channels& c) {
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
 }
 
+/// Fills the pages of one light in the bake folder, as many as there is time for.
+class PageLighter {
+  public:
+    PageLighter(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources, const BakedMatrix& matrix,
+                const BakedSolution& solution)
+        : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution),
+          emitters_(geometry.scene, geometry.atlas, geometry.patches) {
+        for (PatchNumber p = 0; p < g_.patches.count(); ++p) {
+            Channels rest = solution.result.radiosity[p];
+            for (std::size_t c = 0; c < 3; ++c)
+                rest[c] = std::max(0.0, rest[c] - static_cast<double>(g_.patches.patches[p].emission[static_cast<int>(c)]));
+            reflected_.push_back(to_rgb(rest));
+        }
+    }
+
+    /// Empty: there was no time for it.
+    std::vector<Rgb> light(std::uint32_t page, ProgressCounter& progress) {
+        if (is_stopping(options_)) return {};
+        if (options_.gather_rays) {
+            // What is nearer than a patch is wide sees it as more than one brightness.
+            const float near_m = patch_side_m(options_, g_.atlas);
+            const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, emitters_, reflected_};
+            return gather_page(input, page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
+        }
+        if (irradiance_.empty()) {
+            ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
+            irradiance_ = patch_irradiance(strips, solution_.result.radiosity, sources_.lamp_irradiance);
+        }
+        progress.add(g_.texels.pages[page].texels.size());
+        return interpolate_page(g_.atlas, g_.texels, g_.patches, irradiance_, page, options_.patch_texels, options_.interpolation);
+    }
+
+  private:
+    const BakeOptions& options_;
+    const BakedGeometry& g_;
+    const BakedSources& sources_;
+    const BakedMatrix& matrix_;
+    const BakedSolution& solution_;
+    const EmitterSet emitters_;
+    std::vector<Rgb> reflected_;   // per patch
+    std::vector<Rgb> irradiance_;  // per patch, only for drafts
+};
+
+Key light_key(const BakeOptions& options, const Key& solution) {
+    return KeyBuilder("light 4")
+        .key(solution)
+        .integer(options.gather_rays)
+        .integer(options.lamp_points)
+        .integer(static_cast<std::int64_t>(options.seed))
+        .integer(static_cast<int>(options.interpolation))
+        .finish();
+}
+
 }  // namespace
 
 BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
                         StageClock& clock, BakeReport& report) {
     BakedLight light;
-    light.key = KeyBuilder("light 4")
-                    .key(solution.key)
-                    .integer(options.gather_rays)
-                    .integer(options.lamp_points)
-                    .integer(static_cast<std::int64_t>(options.seed))
-                    .integer(static_cast<int>(options.interpolation))
-                    .finish();
-    light.folder = folder.lightmaps(light.key);
-    std::vector<Rgb> reflected;
-    for (PatchNumber p = 0; p < g.patches.count(); ++p) {
-        Channels rest = solution.result.radiosity[p];
-        for (std::size_t c = 0; c < 3; ++c)
-            rest[c] = std::max(0.0, rest[c] - static_cast<double>(g.patches.patches[p].emission[static_cast<int>(c)]));
-        reflected.push_back(to_rgb(rest));
-    }
+    light.key = light_key(options, solution.key);
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
+    std::uint32_t missing = g.atlas.page_count;
     clock.stage("light", [&] {
+        if (!solution.is_whole) return false;
+        light.folder = folder.lightmaps(light.key);
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
-        // What is nearer than a patch is wide sees it as more than one brightness.
-        const float near_m = patch_side_m(options, g.atlas);
-        const EmitterSet emitters(g.scene, g.atlas, g.patches);
-        std::vector<Rgb> irradiance;  // per patch, only for drafts
+        PageLighter lighter(options, g, sources, matrix, solution);
         bool reused = true;
+        missing = 0;
         for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
             const auto path = BakeFolder::lightmap_file(light.folder, page);
-            if (load_lightmap(path, light.key, g.texels.pages[page].texels.size())) continue;
+            const std::size_t texels = g.texels.pages[page].texels.size();
+            if (load_lightmap(path, light.key, texels)) continue;
             reused = false;
-            if (options.gather_rays) {
-                const GatherInput input{g.scene, g.atlas, g.texels, g.patches, *g.tracer, emitters, reflected};
-                save_lightmap(path, light.key,
-                              gather_page(input, page, {options.gather_rays, true, options.lamp_points, near_m, options.seed}, &progress));
-            } else {
-                if (irradiance.empty()) {
-                    ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
-                    irradiance = patch_irradiance(strips, solution.result.radiosity, sources.lamp_irradiance);
-                }
-                save_lightmap(path, light.key,
-                              interpolate_page(g.atlas, g.texels, g.patches, irradiance, page, options.patch_texels,
-                                               options.interpolation));
-                progress.add(g.texels.pages[page].texels.size());
-            }
+            const std::vector<Rgb> irradiance = lighter.light(page, progress);
+            if (irradiance.size() == texels) save_lightmap(path, light.key, irradiance);
+            else ++missing;
         }
         return reused;
     });
+    if (missing) {
+        light.patch_irradiance = add_lamps(solution.result.irradiance, sources.lamp_irradiance);
+        light.state = "stopped";
+        std::error_code not_empty;
+        if (!light.folder.empty()) std::filesystem::remove(light.folder, not_empty);
+        note_stop(report, "light", std::to_string(missing) + " of " + std::to_string(g.atlas.page_count) +
+                                       " pages are interpolated from the patches");
+    } else if (report.stopped) {
+        light.state = "stopped";
+    }
     return light;
+}
+
+std::vector<Rgb> add_lamps(std::span<const Channels> irradiance, std::span<const Rgb> lamp_irradiance) {
+    // What is still a guess may leave the range of a picture.
+    constexpr double most = std::numeric_limits<float>::max();
+    std::vector<Rgb> sum(irradiance.size());
+    for (std::size_t p = 0; p < sum.size(); ++p)
+        for (int c = 0; c < 3; ++c)
+            sum[p][c] = static_cast<float>(
+                std::min(irradiance[p][static_cast<std::size_t>(c)] + static_cast<double>(lamp_irradiance[p][c]), most));
+    return sum;
+}
+
+std::vector<Rgb> page_light(const BakeOptions& options, const BakedGeometry& g, const BakedLight& light, std::uint32_t page) {
+    if (!light.folder.empty())
+        if (auto irradiance = load_lightmap(BakeFolder::lightmap_file(light.folder, page), light.key, g.texels.pages[page].texels.size()))
+            return std::move(*irradiance);
+    if (!light.patch_irradiance)
+        throw Error(ErrorCode::damaged_store, light.folder.string(), "page " + std::to_string(page) + " is gone",
+                    "run the same command again");
+    return interpolate_page(g.atlas, g.texels, g.patches, *light.patch_irradiance, page, options.patch_texels, options.interpolation);
 }
 
 }  // namespace luxel

@@ -4,13 +4,23 @@
 
 namespace luxel {
 
-/// Publishes the irradiance of every page in the bake folder; returns where.
+/// Irradiance of every page: in the bake folder, or where it is not, spread from that of the patches.
 struct BakedLight {
-    std::filesystem::path folder;
+    std::filesystem::path folder;  ///< empty: no page is in the bake folder
     Key key;
+    std::optional<std::vector<Rgb>> patch_irradiance;  ///< H per patch with the lamps, lux; none where all pages are in the folder
+    std::string state;                                 ///< Sidecar::state
 };
+
+/// Publishes what it gathers or, for drafts, interpolates in the bake folder. Stage "light".
 BakedLight light_texels(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources,
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
                         StageClock& clock, BakeReport& report);
+
+/// Light of the solve plus that of the lamps, per patch.
+std::vector<Rgb> add_lamps(std::span<const Channels> irradiance, std::span<const Rgb> lamp_irradiance);
+
+/// Irradiance of the texels of one page, in their order.
+std::vector<Rgb> page_light(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, std::uint32_t page);
 
 }  // namespace luxel

@@ -14,11 +14,15 @@ constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
 /// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
 constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
 /// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
-/// padded to 4 in the kernels), closure (3), tallies and index by id. Afterwards those of the standard error take the place
-/// of the solver's: patterns, noise, sums (200), the result (48), beside what is known of the light (170).
-constexpr std::uint64_t bytes_per_patch = 420;
-/// A page on its way out: float RGB, mask, 8 bit RGB, and the encoders' copies of them.
-constexpr std::uint64_t bytes_per_page_texel = 12 + 1 + 3 + 24;
+/// padded to 4 in the kernels), closure (3), tallies and index by id; with coarse steps 356 in all; and two copies of what a
+/// shooting solve goes on from (72 each), the one that it began with and the one on its way to the disk. Afterwards those of
+/// the standard error take the place of the solver's: patterns, noise, sums (200), the result (48), beside what is known of the
+/// light (170).
+constexpr std::uint64_t bytes_per_patch = 500;
+/// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
+constexpr std::uint64_t bytes_per_shown_patch = 24 + 12;
+/// A page on its way out: light of its texels, float RGB, mask, 8 bit RGB, and the encoders' copies of them.
+constexpr std::uint64_t bytes_per_page_texel = 12 + 12 + 1 + 3 + 24;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
@@ -26,24 +30,25 @@ constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
 MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
                        std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded) {
+                       bool image_library_loaded, bool previews) {
     // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
     // as much again for its counts.
     const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
     const std::uint64_t blocks = pairs * 12 * threads;
     const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
-    const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page;
+    const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
     const std::uint64_t solving = patch_count * bytes_per_patch + blocks + working_bytes;
     const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
-    plan.floor_bytes = fixed + std::max(writing, solving);
+    const std::uint64_t aside = previews ? writing : 0;
+    plan.floor_bytes = fixed + (previews ? writing + solving : std::max(writing, solving));
     if (budget_bytes < plan.floor_bytes) {
         const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
         throw Error(ErrorCode::budget_too_small, "--memory",
                     std::to_string(budget_bytes / mebibyte) + "M is too small for " + std::to_string(patch_count) + " patches",
                     "use --memory " + std::to_string(smallest) + "M or more; the scene's geometry is not counted");
     }
-    const std::uint64_t spare = budget_bytes - fixed - solving + working_bytes;
+    const std::uint64_t spare = budget_bytes - fixed - aside - solving + working_bytes;
     plan.pooling_bytes = spare / 2;
     plan.cache_bytes = spare * 3 / 4;
     return plan;

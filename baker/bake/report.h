@@ -19,6 +19,12 @@ struct StageReport {
     bool reused = false;           ///< its result was in the bake folder
 };
 
+/// What was cut short.
+struct StopReport {
+    std::string where;  ///< stage
+    std::string what;   ///< what of it is there
+};
+
 struct OutputReport {
     std::string path, kind, quantity, unit, encoding;
     double intensity = 1;
@@ -40,11 +46,18 @@ struct BakeReport {
     ClosureReport closure;
 
     std::string solver;
+    std::string solve_path;      ///< "in memory" or "out of core"
+    std::string solve_path_why;  ///< with figures
+    bool checkpoint_resumed = false;  ///< a solve of this run went on from a checkpoint
     double reads = 0, error_bound = 0;
     bool converged = true;
     std::vector<std::pair<std::uint64_t, double>> history;  ///< bytes read, error bound
 
     std::array<double, 3> emitted_lm{}, absorbed_lm{}, lost_lm{};
+
+    std::optional<StopReport> stopped;  ///< none: everything that was wanted is there
+    std::uint64_t previews = 0;         ///< written
+    double preview_seconds = 0;
 
     std::vector<StageReport> stages;
     std::uint64_t budget_bytes = 0, peak_bytes = 0, geometry_bytes = 0, floor_bytes = 0;

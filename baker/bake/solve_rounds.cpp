@@ -7,7 +7,9 @@
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/accuracy/row_mean.h"
 #include "baker/bake/endless_light.h"
+#include "baker/bake/preview.h"
 #include "baker/bake/stage_files.h"
+#include "baker/bake/stopping.h"
 #include "baker/bake/store_stage.h"
 #include "baker/formfactors/hemicube_weights.h"
 #include "baker/patches/neighbourhoods.h"
@@ -37,27 +39,46 @@ class Rounds {
 
     SolvedScene run() {
         scene_.sources = light_patches(options_, g_, clock_, report_);
-        evidence_.add(first_plan(), clock_, report_);
+        if (options_.preview_s > 0) preview_.emplace(options_, g_, scene_.sources, report_);
+        if (!evidence_.add(first_plan(), clock_, report_)) refuse_without_light(options_, "stopped in the first round of rays");
         while (wants_more()) {
             const Key key = evidence_.plan_key(evidence_.rounds());
             auto next = load_plan(folder_.plan(key), key, g_.patches.count());
-            if (!next) {
-                solve(by_error() ? options_.tolerance : loose_tolerance);
+            if (!next && !is_stopping(options_)) {
+                solve(round_tolerance());
+                if (!scene_.solution.is_whole) return finish();
                 if (by_error() && judge()) return finish();
-                next = choose();
-                if (is_empty(*next)) break;
-                save_plan(folder_.plan(key), key, *next);
+                if (!is_stopping(options_)) {
+                    next = choose();
+                    if (is_empty(*next)) break;
+                    save_plan(folder_.plan(key), key, *next);
+                }
             }
-            forget_matrix();
-            evidence_.add(*next, clock_, report_);
+            if (!next || !add_round(*next)) {
+                note_stop(report_, "evidence", "rays end with round " + std::to_string(evidence_.rounds()) + ", " +
+                                                   std::to_string(static_cast<std::uint64_t>(rays_per_patch())) + " a patch");
+                break;
+            }
         }
-        solve(options_.tolerance);
-        judge();
+        solve(last_tolerance());
+        if (scene_.solution.is_whole) judge();
         return finish();
     }
 
   private:
     [[nodiscard]] bool by_error() const { return options_.error > 0; }
+    /// Of the solves between rounds.
+    [[nodiscard]] double round_tolerance() const { return by_error() ? options_.tolerance : loose_tolerance; }
+    /// Of the last solve: where the bake was stopped between rounds, the looser solution that is there serves better than the
+    /// first step of a stricter one.
+    [[nodiscard]] double last_tolerance() const {
+        std::error_code ignored;
+        const Key matrix = matrix_keys(options_, evidence_).closure;
+        const auto is_there = [&](double tolerance) {
+            return std::filesystem::exists(folder_.solution(solution_key(options_, g_, matrix, tolerance)), ignored);
+        };
+        return report_.stopped && !is_there(options_.tolerance) && is_there(round_tolerance()) ? round_tolerance() : options_.tolerance;
+    }
     [[nodiscard]] double rays_per_patch() const {
         return static_cast<double>(evidence_.total_rays()) / std::max<double>(1, static_cast<double>(g_.patches.count()));
     }
@@ -87,7 +108,8 @@ class Rounds {
 
     void solve(double tolerance) {
         scene_.matrix = build_matrix(options_, g_, evidence_, folder_, plan_, clock_, report_);
-        scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, clock_, report_);
+        scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, preview_ ? &*preview_ : nullptr,
+                                         clock_, report_);
     }
 
     /// What the accuracy room needs to know: the light, and the matrix that made it.
@@ -124,11 +146,16 @@ class Rounds {
             return true;
         }
         const Key key = accuracy_key(scene_.solution.key);
+        bool is_known = true;
         clock_.stage("accuracy", [&] {
             const auto path = folder_.accuracy(key);
             if (auto error = load_accuracy(path, key, g_.patches.count())) {
                 scene_.error = std::move(*error);
                 return true;
+            }
+            if (is_stopping(options_)) {
+                is_known = false;
+                return false;
             }
             Judged judged(scene_);
             const ReplicateGains gains = replicate_gains(*evidence_.source(), light(judged), evidence_.replicates());
@@ -137,6 +164,10 @@ class Rounds {
             save_accuracy(path, key, scene_.error);
             return false;
         });
+        if (!is_known) {
+            note_stop(report_, "accuracy", "the standard error was not estimated");
+            return false;
+        }
         report_.standard_error = scene_.error.relative;
         return scene_.error.relative <= options_.error;
     }
@@ -163,17 +194,24 @@ class Rounds {
         return next;
     }
 
-    /// Frees the matrix of the last round and removes its files, also those of a run that was killed before it came to that.
-    void forget_matrix() {
+    /// Traces one more round in the place of the last matrix, which serves on when that is stopped.
+    bool add_round(const LevelPlan& plan) {
         if (scene_.matrix.rows) report_.rays_traced += scene_.matrix.rows->rays_traced();
         scene_.matrix = {};
         scene_.solution = {};
-        const MatrixKeys keys = matrix_keys(options_, evidence_);
+        const MatrixKeys last = matrix_keys(options_, evidence_);
+        if (!evidence_.add(plan, clock_, report_)) return false;
+        forget_matrix(last);
+        return true;
+    }
+
+    /// Removes the files of a matrix, also those of a run that was killed before it came to that, or stopped there.
+    void forget_matrix(const MatrixKeys& keys) {
         folder_.discard(keys.strips, keys.closure);
-        folder_.discard_solution(solution_key(options_, g_, keys.closure, by_error() ? options_.tolerance : loose_tolerance));
-        if (by_error()) {
+        for (const double tolerance : {loose_tolerance, options_.tolerance}) {
+            const Key solution = solution_key(options_, g_, keys.closure, tolerance);
+            folder_.discard_solution(solution);
             std::error_code ignored;
-            const Key solution = solution_key(options_, g_, keys.closure, options_.tolerance);
             std::filesystem::remove(folder_.accuracy(accuracy_key(solution)), ignored);
         }
     }
@@ -216,6 +254,7 @@ class Rounds {
             report_.most_rays = evidence_.rays_at(*most);
         }
         const SolveResult& result = scene_.solution.result;
+        if (report_.stopped) return std::move(scene_);
         if (!result.converged)
             report_.warnings.push_back({"not-converged", "solve",
                                         "stopped at an error bound of " + std::to_string(result.error_bound) +
@@ -236,6 +275,7 @@ class Rounds {
     EvidenceRounds evidence_;
     std::vector<std::uint32_t> neighbourhood_;
     SolvedScene scene_;
+    std::optional<Preview> preview_;
 };
 
 }  // namespace

@@ -1,7 +1,12 @@
 #include "baker/bake/solve_stage.h"
 
+#include <algorithm>
+#include <cstdio>
+
 #include "baker/bake/endless_light.h"
+#include "baker/bake/solve_watch.h"
 #include "baker/bake/stage_files.h"
+#include "baker/bake/stopping.h"
 #include "baker/light/patch_lamps.h"
 #include "baker/solver/energy_audit.h"
 #include "baker/solver/solve.h"
@@ -38,6 +43,41 @@ void audit(const BakedGeometry& g, const BakedSources& sources, const BakedMatri
         }
 }
 
+/// Which way the solve takes: the same operations in the same order, with or without reads of the disk after the first of each block.
+void tell_path(const BakedMatrix& matrix, BakeReport& report) {
+    const ChunkLayout& layout = matrix.strips->layout();
+    std::uint64_t decoded = 0;
+    for (const BlockInfo& block : matrix.strips->blocks())
+        decoded += block.pair_count * (sizeof(std::uint16_t) + sizeof(float)) + (layout.size(block.a) + 1) * sizeof(std::uint32_t);
+    report.solve_path = decoded <= matrix.cache_bytes ? "in memory" : "out of core";
+    char text[128];
+    std::snprintf(text, sizeof text, "all decoded blocks take %.1f MB, the cache may hold %.1f MB", static_cast<double>(decoded) / 0x1p20,
+                  static_cast<double>(matrix.cache_bytes) / 0x1p20);
+    report.solve_path_why = text;
+}
+
+/// Solves from the beginning, or from a checkpoint that fits.
+SolveResult solve_watched(SolverKind kind, BlockSource& source, const SolveInput& input, double tolerance,
+                          std::optional<SolveState> checkpoint, SolveWatch& watch, BakeReport& report) {
+    SolveOptions options;
+    options.tolerance = tolerance;
+    options.step = [&](const SolveView& view) { return watch.step(view); };
+    if (checkpoint) {
+        options.resume = &*checkpoint;
+        try {
+            SolveResult result = luxel::solve(kind, source, input, options);
+            report.checkpoint_resumed = true;
+            return result;
+        } catch (const Error& error) {
+            // Of a solver that kept other vectors: what it had done is done again.
+            if (error.code != ErrorCode::internal || watch.steps() > 0) throw;
+        }
+        options.resume = nullptr;
+        checkpoint.reset();
+    }
+    return luxel::solve(kind, source, input, options);
+}
+
 }  // namespace
 
 BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, StageClock& clock, BakeReport& report) {
@@ -62,8 +102,8 @@ Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& 
 }
 
 BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,
-                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, StageClock& clock,
-                            BakeReport& report) {
+                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, Preview* preview,
+                            StageClock& clock, BakeReport& report) {
     BakedSolution solution;
     solution.key = solution_key(options, g, matrix.key, tolerance);
     solution.reflectance = solvable_reflectances(g.patches, matrix.strips->tallies());
@@ -71,22 +111,26 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
         const auto path = folder.solution(solution.key);
         if (auto result = load_solution(path, solution.key, g.patches.count())) {
             solution.result = std::move(*result);
+            folder.discard_checkpoint(solution.key);
             return true;
         }
         ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
         BlockCache cache(strips, matrix.cache_bytes);
-        SolveOptions solve;
-        solve.tolerance = tolerance;
-        const ProgressFunction progress = clock.progress("pages read");
-        if (progress)
-            solve.step = [&](const SolveView& view) {
-                progress(view.bytes_read() / 4096, 0);
-                return true;
-            };
-        solution.result = luxel::solve(options.solver, cache, {solution.reflectance, sources.emission}, solve);
-        save_solution(path, solution.key, solution.result);
+        const auto checkpoint = folder.checkpoint(solution.key);
+        SolveWatch watch(options, checkpoint, solution.key, clock.progress("pages read"), preview);
+        solution.result = solve_watched(options.solver, cache, {solution.reflectance, sources.emission}, tolerance,
+                                        load_checkpoint(checkpoint, solution.key), watch, report);
+        watch.finish();
+        solution.is_whole = solution.result.converged || !watch.has_stopped();
+        if (solution.is_whole) {
+            save_solution(path, solution.key, solution.result);
+            folder.discard_checkpoint(solution.key);
+        } else {
+            note_stop(report, "solve", "the solve ended after " + std::to_string(solution.result.history.size()) + " steps");
+        }
         return false;
     });
+    tell_path(matrix, report);
     const SolveResult& result = solution.result;
     report.solver = result.solver;
     report.reads = result.reads;

@@ -15,8 +15,11 @@ struct BakedSources {
 struct BakedSolution {
     SolveResult result;
     std::vector<Rgb> reflectance;  ///< per patch, as solved with (endless_light.h)
-    Key key;
+    Key key;               ///< of the whole solution
+    bool is_whole = true;  ///< false: it was stopped before its tolerance, and is not in the bake folder
 };
+
+class Preview;
 
 /// Stage "lamps".
 BakedSources light_patches(const BakeOptions& options, const BakedGeometry& geometry, StageClock& clock, BakeReport& report);
@@ -24,9 +27,9 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& geom
 /// Name of the solution of a matrix.
 Key solution_key(const BakeOptions& options, const BakedGeometry& geometry, const Key& matrix_key, double tolerance);
 
-/// Stage "solve".
+/// Stage "solve". Goes on from a checkpoint of the same solution if the bake folder has one. `preview` may be null.
 BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources,
-                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, StageClock& clock,
-                            BakeReport& report);
+                            const BakedMatrix& matrix, double tolerance, const BakeFolder& folder, Preview* preview,
+                            StageClock& clock, BakeReport& report);
 
 }  // namespace luxel

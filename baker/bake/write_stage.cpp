@@ -1,6 +1,5 @@
 #include "baker/bake/write_stage.h"
 
-#include "baker/bake/stage_files.h"
 #include "baker/output/dilate.h"
 #include "baker/output/sidecar.h"
 #include "formats/base/file.h"
@@ -96,11 +95,12 @@ void warn_of_gpu_instances(const BakedGeometry& g, std::vector<Warning>& warning
 
 class Writer {
   public:
-    Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, BakeReport& report)
-        : options_(options), g_(geometry), light_(light), report_(report) {}
+    Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light)
+        : options_(options), g_(geometry), light_(light) {}
 
-    void run(const ProgressFunction& progress) {
+    WrittenOutputs run(const ProgressFunction& progress) {
         sidecar_.generator = lightmaps_.version = options_.software;
+        sidecar_.state = light_.state;
         sidecar_.model = options_.output.filename().string();
         sidecar_.texels_per_metre = static_cast<double>(g_.atlas.texels_per_metre);
         lightmaps_.encoding = encoding_name(options_.encoding);
@@ -118,16 +118,12 @@ class Writer {
         write_sidecar(sidecar, sidecar_);
         report_.outputs.push_back({sidecar.string(), "sidecar", "", "", "", 1});
         written_.complete();
+        return std::move(report_);
     }
 
   private:
     void write_page(std::uint32_t page) {
-        const auto irradiance = load_lightmap(BakeFolder::lightmap_file(light_.folder, page), light_.key,
-                                              g_.texels.pages[page].texels.size());
-        if (!irradiance)
-            throw Error(ErrorCode::damaged_store, light_.folder.string(), "page " + std::to_string(page) + " is gone",
-                        "run the same command again");
-        const PageImage image = page_image(g_, page, *irradiance);
+        const PageImage image = page_image(g_, page, page_light(options_, g_, light_, page));
         const std::uint32_t size = g_.atlas.page_size;
         const EncodedPage encoded = encode_lightmap(image.values, image.mask, options_.encoding);
         const std::string name = "lightmap" + std::to_string(page);
@@ -152,7 +148,7 @@ class Writer {
     const BakeOptions& options_;
     const BakedGeometry& g_;
     const BakedLight& light_;
-    BakeReport& report_;
+    WrittenOutputs report_;
     GltfLightmaps lightmaps_;
     Sidecar sidecar_;
     OutputSet written_;
@@ -160,10 +156,17 @@ class Writer {
 
 }  // namespace
 
+WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
+                               const ProgressFunction& progress) {
+    return Writer(options, geometry, light).run(progress);
+}
+
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
                    BakeReport& report) {
     clock.stage("write", [&] {
-        Writer(options, geometry, light, report).run(clock.progress("files"));
+        WrittenOutputs written = write_lightmaps(options, geometry, light, clock.progress("files"));
+        report.outputs = std::move(written.outputs);
+        report.warnings.insert(report.warnings.end(), written.warnings.begin(), written.warnings.end());
         return false;
     });
 }

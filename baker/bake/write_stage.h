@@ -5,8 +5,17 @@
 
 namespace luxel {
 
+struct WrittenOutputs {
+    std::vector<OutputReport> outputs;
+    std::vector<Warning> warnings;
+};
+
 /// Writes `<stem>.lightmap<page>.exr`, the glTF with its 8-bit pages, and `<output>.lightmaps.json`. On an error the files
 /// that this call has written are removed again.
+WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
+                               const ProgressFunction& progress);
+
+/// The same as stage "write".
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
                    BakeReport& report);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "baker/core/progress.h"
+#include "baker/core/stop.h"
 #include "baker/light/emitters.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
@@ -22,6 +23,7 @@ struct GatherOptions {
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
     float near_m = 0;                ///< hits closer than this are followed on (near_light.h), m; 0: patches always serve
     std::uint64_t seed = 0;
+    const StopRequest* stop = nullptr;  ///< looked at now and then
 };
 
 struct GatherInput {
@@ -37,7 +39,8 @@ struct GatherInput {
 };
 
 /// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, light
-/// and options: neither pages nor threads change the points. Adds texels to `progress`.
+/// and options: neither pages nor threads change the points. Adds texels to `progress`. Empty when it was asked to stop before
+/// the page was done.
 std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
                              ProgressCounter* progress);
 

@@ -40,12 +40,12 @@ Bytes sidecar_text(const Sidecar& sidecar) {
             if (!picture->file.empty() || !picture->name.empty()) json[key] = picture_json(*picture);
         pages.push_back(std::move(json));
     }
-    const Json root = {{"schema", 1},
-                       {"generator", sidecar.generator},
-                       {"model", sidecar.model},
-                       {"texCoord", sidecar.uv_set},
-                       {"texelsPerMetre", sidecar.texels_per_metre},
-                       {"pages", std::move(pages)}};
+    Json root = {{"schema", 1}, {"generator", sidecar.generator}};
+    if (!sidecar.state.empty()) root["state"] = sidecar.state;
+    root["model"] = sidecar.model;
+    root["texCoord"] = sidecar.uv_set;
+    root["texelsPerMetre"] = sidecar.texels_per_metre;
+    root["pages"] = std::move(pages);
     // Names of files need not be UTF-8; a broken byte must not cost the whole bake.
     const std::string text = root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     return {text.begin(), text.end()};

@@ -7,6 +7,7 @@
 ///                    "png": { "name": "lightmap0.srgb8", "uri": "hall.lightmap0.png", "encoding": "srgb8",
 ///                             "intensity": 41.25 } } ] }
 ///
+/// Pages that are not final have a member `state` after `generator`: "preview", or "stopped" by the user.
 /// A value in `unit` is decode(sample) * intensity. `uri` is relative to the sidecar and percent-encoded; absent when
 /// the picture is only inside the model, where `name` finds it among the glTF images. `schema` is raised when a member
 /// changes its meaning; members may be added without that.
@@ -37,6 +38,7 @@ struct SidecarPage {
 
 struct Sidecar {
     std::string generator;  ///< name and version
+    std::string state;      ///< "preview" while the light is being solved, "stopped" where that was cut short; empty: final
     std::string model;      ///< file name of the glTF
     int uv_set = 1;
     double texels_per_metre = 0;

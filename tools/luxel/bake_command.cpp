@@ -6,14 +6,16 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 
 #include "baker/bake/bake.h"
 #include "formats/base/file.h"
-#include "tools/luxel/progress_printer.h"
 #include "tools/luxel/inspect_text.h"
+#include "tools/luxel/interrupt.h"
+#include "tools/luxel/progress_printer.h"
 #include "tools/luxel/report_json.h"
 #include "tools/luxel/size_option.h"
 
@@ -33,7 +35,7 @@ struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
                                 encoding = "srgb8", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
-    double texels_per_metre = 0, tolerance = 0, error = 0;
+    double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
@@ -95,6 +97,8 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.memory_bytes = parse_bytes(a.memory, "--memory");
     o.threads = a.threads;
     o.verify = a.verify;
+    o.preview_s = a.preview_s;
+    o.checkpoint_s = a.checkpoint_s;
     o.software = "luxel " LUXEL_VERSION;
     return o;
 }
@@ -126,6 +130,9 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"store", store_name(o.store)},
             {"store-bytes", a.store_bytes.empty() ? "auto" : a.store_bytes},
             {"threads", std::to_string(o.threads)},
+            {"stop-after", a.stop_after_s > 0 ? fmt::format("{}", a.stop_after_s) : "none"},
+            {"preview-every", a.preview_s > 0 ? fmt::format("{}", a.preview_s) : "none"},
+            {"checkpoint-every", fmt::format("{}", a.checkpoint_s)},
             {"verify", a.verify ? "on" : "off"},
             {"work", a.work}};
 }
@@ -135,13 +142,27 @@ void print_summary(const BakeReport& report, const BakeOptions& options) {
     for (const StageReport& stage : report.stages) seconds += stage.seconds;
     const std::string error =
         report.standard_error ? fmt::format("standard error {:.1f} %, ", 100 * *report.standard_error) : std::string();
-    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; {}solved to {:.1e}; {:.1f} s, {} MB\n",
+    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; {}{} to {:.1e} {}; {:.1f} s, {} MB\n",
                options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s",
-               report.patches, report.pairs, error, report.error_bound, seconds, report.peak_bytes >> 20);
+               report.patches, report.pairs, error, report.stopped ? "stopped, solved" : "solved", report.error_bound,
+               report.solve_path, seconds, report.peak_bytes >> 20);
+}
+
+StopRequest::Clock::time_point after_seconds(double seconds) {
+    return StopRequest::Clock::now() + std::chrono::duration_cast<StopRequest::Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+int exit_code(const BakeReport& report, const StopRequest& stop) {
+    if (report.stopped && stop.was_asked()) return exit_interrupted;
+    return report.converged && !report.stopped ? 0 : static_cast<int>(ErrorCode::stopped_early);
 }
 
 int run(const Arguments& arguments, const CLI::App& command) {
+    StopRequest stop;
+    if (command.count("--stop-after")) stop.ask_at(after_seconds(arguments.stop_after_s));
+    const InterruptGuard guard(stop);
     BakeOptions options = resolve(arguments, command);
+    options.stop = &stop;
     ProgressPrinter printer(arguments.quiet);
     options.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
         printer.update(stage, done, total, unit);
@@ -161,7 +182,7 @@ int run(const Arguments& arguments, const CLI::App& command) {
         print_findings(*report.verification);
         return static_cast<int>(ErrorCode::damaged_store);
     }
-    return report.converged ? 0 : static_cast<int>(ErrorCode::stopped_early);
+    return exit_code(report, stop);
 }
 
 void add_options(CLI::App& command, Arguments& a) {
@@ -215,6 +236,12 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(16u, 65536u))->capture_default_str()->group("Running");
     command.add_option("--seed", a.seed, "of all sample patterns")->check(unsigned_number)->capture_default_str()->group("Running");
     command.add_option("--work", a.work, "bake folder: kept, and reused by the next run")->type_name("DIR")->group("Running");
+    command.add_option("--stop-after", a.stop_after_s, "end then with what is there, seconds; with --work the next run goes on")
+        ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->group("Running");
+    command.add_option("--preview-every", a.preview_s, "while solving, write the light so far to the output; 0: never")
+        ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->capture_default_str()->group("Running");
+    command.add_option("--checkpoint-every", a.checkpoint_s, "what a killed solve loses at most; 0: one step")
+        ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->capture_default_str()->group("Running");
     command.add_option("--report", a.report, "write what was done as JSON")->type_name("FILE")->group("Running");
     command.add_flag("--verify", a.verify, "at the end check everything in the bake folder, as luxel inspect --verify does")->group("Running");
     command.add_flag("-q,--quiet", a.quiet, "no progress, no summary")->group("Running");

@@ -39,7 +39,16 @@ std::string report_json(const BakeReport& r) {
                       {"mean_change", r.closure.mean_change}};
     json history = json::array();
     for (const auto& [bytes, bound] : r.history) history.push_back({{"bytes_read", bytes}, {"error_bound", bound}});
-    out["solve"] = {{"solver", r.solver}, {"reads", r.reads}, {"error_bound", r.error_bound}, {"converged", r.converged}, {"history", history}};
+    out["solve"] = {{"solver", r.solver},
+                    {"reads", r.reads},
+                    {"error_bound", r.error_bound},
+                    {"converged", r.converged},
+                    {"path", r.solve_path},
+                    {"path_why", r.solve_path_why},
+                    {"checkpoint_resumed", r.checkpoint_resumed},
+                    {"history", history}};
+    out["stopped"] = r.stopped ? json(r.stopped->where) : json();
+    out["previews"] = {{"written", r.previews}, {"seconds", r.preview_seconds}};
     out["energy"] = {{"unit", "lm"}, {"emitted", r.emitted_lm}, {"absorbed", r.absorbed_lm}, {"lost", r.lost_lm}};
     json& stages = out["stages"] = json::array();
     for (const StageReport& s : r.stages)
