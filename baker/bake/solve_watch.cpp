@@ -23,7 +23,8 @@ void SolveWatch::save(const SolveView& solve) {
 bool SolveWatch::step(const SolveView& solve) {
     ++steps_;
     if (progress_) progress_(solve.bytes_read() / 4096, 0);
-    if (is_stopping(options_)) {
+    // The first look shows where the solve began: one step more, so that runs which have too little time come further too.
+    if (steps_ > 1 && is_stopping(options_)) {
         stopped_ = true;
         save(solve);
         finish();

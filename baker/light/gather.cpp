@@ -192,9 +192,11 @@ std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const
     std::vector<Rgb> irradiance(input.texels.pages[page].texels.size());
     std::atomic<bool> stopped{false};
     parallel_ranges(irradiance.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        if (options.stop && options.stop->is_asked()) stopped = true;
-        if (stopped) return;
-        for (std::size_t k = begin; k < end; ++k) irradiance[k] = gather.irradiance(k);
+        for (std::size_t k = begin; k < end; ++k) {
+            if (options.stop && options.stop->is_asked()) stopped = true;
+            if (stopped) return;
+            irradiance[k] = gather.irradiance(k);
+        }
         if (progress) progress->add(end - begin);
     });
     if (stopped) irradiance.clear();

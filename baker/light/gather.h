@@ -23,7 +23,7 @@ struct GatherOptions {
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
     float near_m = 0;                ///< hits closer than this are followed on (near_light.h), m; 0: patches always serve
     std::uint64_t seed = 0;
-    const StopRequest* stop = nullptr;  ///< looked at now and then
+    const StopRequest* stop = nullptr;  ///< looked at before each texel
 };
 
 struct GatherInput {

@@ -92,7 +92,8 @@ void RandomFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
                         "cannot read " + std::to_string(out.size()) + " bytes at byte " + std::to_string(offset) +
                             ": " +
                             (got < 0 ? system_text() : "file ends at byte " + std::to_string(size_now(descriptor_))),
-                        "remove the file and run the same command again");
+                        got < 0 ? "check the disk; remove the file and run the same command again"
+                                : "remove the file and run the same command again");
         done += static_cast<std::size_t>(got);
     }
 }

@@ -32,31 +32,35 @@ pid_t start(const std::vector<std::string>& arguments, const std::filesystem::pa
     return child;
 }
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
 }  // namespace
 
-ChildResult run_luxel(const std::vector<std::string>& arguments, const std::filesystem::path& log, double kill_after_s) {
-    using Clock = std::chrono::steady_clock;
+ChildResult run_luxel_until(const std::vector<std::string>& arguments, const std::filesystem::path& log,
+                            const std::function<bool()>& is_time) {
     const auto begin = Clock::now();
-    const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
     const pid_t child = start(arguments, log);
     ChildResult result;
     int status = 0;
-    if (kill_after_s >= 0) {
-        while (::waitpid(child, &status, WNOHANG) == 0) {
-            if (elapsed() >= kill_after_s) {
-                result.killed = true;
-                ::kill(child, SIGKILL);
-                ::waitpid(child, &status, 0);
-                break;
-            }
-            std::this_thread::sleep_for(std::chrono::microseconds(500));
+    while (::waitpid(child, &status, WNOHANG) == 0) {
+        if (is_time()) {
+            result.killed = true;
+            ::kill(child, SIGKILL);
+            ::waitpid(child, &status, 0);
+            break;
         }
-    } else {
-        ::waitpid(child, &status, 0);
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
     }
-    result.seconds = elapsed();
+    result.seconds = seconds_since(begin);
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status), result.killed = false;
     return result;
+}
+
+ChildResult run_luxel(const std::vector<std::string>& arguments, const std::filesystem::path& log, double kill_after_s) {
+    const auto begin = Clock::now();
+    return run_luxel_until(arguments, log, [&] { return kill_after_s >= 0 && seconds_since(begin) >= kill_after_s; });
 }
 
 }  // namespace luxel::test

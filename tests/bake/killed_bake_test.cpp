@@ -94,6 +94,17 @@ class KilledBake : public testing::Test {
         return count;
     }
 
+    /// Inode of the checkpoint in the folder of a run that may be going on; 0: none.
+    [[nodiscard]] ino_t checkpoint(const std::string& name) const {
+        std::error_code failed;
+        for (std::filesystem::directory_iterator at(work(name), failed), end; !failed && at != end; at.increment(failed)) {
+            struct stat status {};
+            const std::string file = at->path().filename().string();
+            if (file.starts_with("checkpoint-") && file.ends_with(".lxk") && ::stat(at->path().c_str(), &status) == 0) return status.st_ino;
+        }
+        return 0;
+    }
+
     /// The last round's folders tell: strips that are not all there, or evidence without strips that is not all there.
     [[nodiscard]] Moment moment(const std::string& name, std::size_t chunks) const {
         const auto whole = [&](const std::string& stage) {
@@ -166,6 +177,46 @@ TEST_F(KilledBake, IsContinuedByTheNextRun) {
     if (kills < 50) return;  // so few may all miss the short stages on a busy machine
     EXPECT_GT(moments[Moment::evidence], 0);
     EXPECT_GT(moments[Moment::pooling], 0);
+}
+
+/// Killed in its solve, a bake goes on from the checkpoint that it has published, to the same light.
+TEST_F(KilledBake, GoesOnFromItsCheckpoint) {
+    rays_ = "64";
+    const auto with_checkpoints = [&](const std::string& name) {
+        auto list = arguments(name);
+        list.insert(list.end(), {"--importance", "off", "--tolerance", "1e-7", "--checkpoint-every", "0", "--report", (folder_ / "report.json").string()});
+        return list;
+    };
+    ASSERT_EQ(run_luxel(with_checkpoints("whole"), folder_ / "log").exit_code, 0) << log();
+    const FileBytes outputs = files_below(folder_ / "whole/out");
+    FileBytes stored = files_below(work("whole"));
+    const auto is_named = [](const std::string& file, const char* stage) { return file.starts_with(stage); };
+    int resumed = 0, steps = 0;
+    constexpr int runs = std::min(kills, 10);
+    for (int run = 0; run < runs; ++run) {
+        const std::string name = "run" + std::to_string(run);
+        const std::vector<std::string> command = with_checkpoints(name);
+        // When the first checkpoint is there, the second, ...
+        ino_t seen = 0;
+        int checkpoints = 0;
+        const bool was_killed = run_luxel_until(command, folder_ / "log", [&] {
+            const ino_t now = checkpoint(name);
+            if (now && now != seen) seen = now, ++checkpoints;
+            return checkpoints > run;
+        }).killed;
+        ASSERT_EQ(run_luxel(command, folder_ / "log").exit_code, 0) << log();
+        const auto report = nlohmann::json::parse(std::ifstream(folder_ / "report.json"));
+        steps = static_cast<int>(report["solve"]["history"].size());
+        resumed += was_killed && report["solve"]["checkpoint_resumed"].get<bool>();
+        ASSERT_EQ(differences(outputs, files_below(folder_ / name / "out")), "");
+        FileBytes found = files_below(work(name));
+        // Which reads the disk had to serve is another matter after a new start.
+        std::erase_if(found, [&](const auto& file) { return is_named(file.first, "solution-"); });
+        std::erase_if(stored, [&](const auto& file) { return is_named(file.first, "solution-"); });
+        ASSERT_EQ(differences(stored, found), "");
+    }
+    std::printf("%d kills in a solve of %d steps, %d of them resumed\n", runs, steps, resumed);
+    EXPECT_GT(resumed, 0);
 }
 
 /// Without evidence on the disk a killed run has lost the rays since the last directory or kept strip, and nothing else.

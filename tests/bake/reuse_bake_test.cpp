@@ -71,6 +71,34 @@ TEST(Reuse, OtherLightKeepsTheFactors) {
     EXPECT_GT(relit.evidence_rounds, 1u) << "the plan of the first light serves the second";
 }
 
+/// A strip that is damaged where only the solve looks: the message says where, and what it says to do mends it.
+TEST(Reuse, ADamagedBlockIsNamedInTheSolveAndMended) {
+    const TemporaryFolder folder;
+    const BakeOptions options = tiny_options(folder);
+    bake(options);
+    const FileBytes outputs = files_below(folder / "out");
+    for (const char* stem : {"solution-", "accuracy-", "lightmaps-"}) remove_stored(options.work, stem);
+    const auto strip = stored_file(options.work, "strips-") / "strip-0.lxs";
+    const BlockFileReader whole(strip, FileKind::strip, identify_block_file(strip).version);
+    const std::size_t index = whole.blocks().size() - 1;
+    const std::uint64_t at = whole.blocks()[index].offset;
+    std::fstream file(strip, std::ios::in | std::ios::out | std::ios::binary);
+    const int byte = file.seekg(static_cast<std::streamoff>(at)).get();
+    file.seekp(static_cast<std::streamoff>(at)).put(static_cast<char>(byte ^ 1)).flush();
+    try {
+        bake(options);
+        ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, ErrorCode::damaged_store);
+        EXPECT_EQ(error.where, strip.string() + ": block " + std::to_string(index) + " at byte " + std::to_string(at));
+        EXPECT_EQ(error.what_text, "checksum mismatch");
+        EXPECT_EQ(error.hint, "remove the file and run the same command again");
+    }
+    std::filesystem::remove(strip);
+    bake(options);
+    EXPECT_EQ(differences(outputs, files_below(folder / "out")), "");
+}
+
 struct Damage {
     const char* name;
     void (*apply)(const std::filesystem::path&);

@@ -7,16 +7,18 @@ import os
 import re
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
 FURNACE = os.path.join(SAMPLES, "furnace", "furnace.gltf")
 SMALL = ["--quality", "draft", "--texels-per-metre", "4", "--atlas-size", "64", "--rays", "64"]
-USAGE, BAD_INPUT, CANNOT_WRITE, DAMAGED_STORE, BUDGET_TOO_SMALL = 1, 2, 4, 5, 7
+USAGE, BAD_INPUT, CANNOT_WRITE, DAMAGED_STORE, STOPPED_EARLY, BUDGET_TOO_SMALL, INTERRUPTED = 1, 2, 4, 5, 6, 7, 130
 LUXEL = None
 
 
@@ -98,7 +100,8 @@ class Help(Case):
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
               "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
-              "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": ""}
+              "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
+              "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
     def test_help(self):
         for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):
@@ -141,8 +144,8 @@ class Help(Case):
         self.assertEqual(report["schema"], 1)
         for part, members in {
                 "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
-                "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history",
-                "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
+                "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history path path_why checkpoint_resumed",
+                "previews": "written seconds", "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
             for member in members.split():
                 self.assertIn(member, report[part])
         for stage in report["stages"]:
@@ -150,6 +153,9 @@ class Help(Case):
         for output in report["outputs"]:
             self.assertLessEqual({"path", "kind", "quantity", "unit", "encoding", "intensity"}, set(output))
             self.assertTrue(os.path.isfile(output["path"].split("#")[0]), output)
+        self.assertIn("stopped", report)
+        self.assertIsNone(report["stopped"])
+        self.assertIn(report["solve"]["path"], ("in memory", "out of core"))
         self.assertIsInstance(report["warnings"], list)
         self.assertIsInstance(report["skipped"], list)
         self.assertGreater(report["counts"]["pairs"], 0)
@@ -179,7 +185,8 @@ class Usage(Case):
     def test_refused(self):
         for arguments, word in (
                 (["--no-such-option"], "--no-such-option"), (["--rays", "3"], "--rays"), (["--rays"], "--rays"),
-                (["--rays", "many"], "--rays"), (["--gather-rays", "100"], "128"), (["--gather-rays", "-1"], "--gather-rays"),
+                (["--rays", "many"], "--rays"), (["--gather-rays", "100"], "128"), (["--gather-rays", "-1"], "--gather-rays"), (["--stop-after", "-1"], "--stop-after"),
+                (["--stop-after", "nan"], "--stop-after"), (["--preview-every", "soon"], "--preview-every"), (["--checkpoint-every", "-2"], "--checkpoint-every"),
                 (["--tolerance", "0"], "--tolerance"), (["--tolerance", "nan"], "--tolerance"),
                 (["--texels-per-metre", "-1"], "--texels-per-metre"), (["--texels-per-metre", "nan"], "--texels-per-metre"),
                 (["--atlas-size", "8"], "--atlas-size"), (["--atlas-size", "100000"], "--atlas-size"),
@@ -443,6 +450,83 @@ class Damage(Case):
         self.assert_refused(self.bake("--work", self.path("work")), DAMAGED_STORE, atlas)
         os.remove(os.path.join(self.path("work"), atlas))
         self.assert_done(self.bake("--work", self.path("work")))
+
+
+class Stop(Case):
+    def report(self):
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    def start(self, *arguments, rays=64):
+        process = subprocess.Popen([LUXEL, "bake", FURNACE, "-o", self.output, *SMALL[:-1], str(rays), "--work", self.path("work"), "--report",
+                                 self.path("report.json"), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def wait_for(self, process, seconds=30):
+        """Until the first file of the evidence folder may be written: the rays are being traced."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and process.poll() is None:
+            if os.path.isdir(self.path("work")) and any(name.startswith("evidence-") for name in os.listdir(self.path("work"))):
+                return
+            time.sleep(0.005)
+        self.fail("no rays were traced")
+
+    def test_before_there_is_light(self):
+        self.assert_refused(self.bake("--stop-after", "0", "--work", self.path("work")), STOPPED_EARLY,
+                            "nothing was written", "the same command with the same --work goes on")
+        self.assert_refused(self.bake("--stop-after", "0"), STOPPED_EARLY, "with --work DIR")
+        self.assert_done(self.bake("--work", self.path("work")))
+
+    def test_after_a_time_and_the_next_run(self):
+        slow = ["--gather-rays", "65536", "--work", self.path("work"), "--report", self.path("report.json")]
+        self.assert_done(self.bake("--gather-rays", "0", *slow[2:]))  # all but the light is there
+        result = self.bake(*slow, "--stop-after", "0.5")
+        self.assertEqual(result.returncode, STOPPED_EARLY, result.stderr)
+        self.assertRegex(result.stderr, r"(?m)^luxel: warning: light: the time is up: \d+ of \d+ pages are interpolated from the patches; "
+                                        r"error bound of the solve \S+, standard error \S+ %; .* \[stopped\]$")
+        self.assertIn("stopped, solved to", result.stdout)
+        self.assertEqual(self.report()["stopped"], "light")
+        self.assertTrue(os.path.isfile(self.output))
+
+    def test_an_interrupt_writes_what_is_there(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number):
+                shutil.rmtree(self.path("work"), ignore_errors=True)
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.assert_done(self.bake("--work", self.path("work")))
+                shutil.rmtree(self.out)
+                process = self.start("--gather-rays", "65536")
+                time.sleep(1)  # everything but the light is reused: it is gathering
+                process.send_signal(number)
+                output, messages = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, INTERRUPTED, messages)
+                self.assertIn("luxel: interrupted: finishes the step and writes what is there; interrupt again", messages)
+                self.assertRegex(messages, r"luxel: warning: light: interrupted: .*\[stopped\]")
+                self.assertEqual(self.report()["stopped"], "light")
+                self.assertTrue(os.path.isfile(self.output))
+
+    def test_a_second_interrupt_ends_it_at_once(self):
+        process = self.start("--importance", "off", rays=1 << 24)  # one chunk, and it takes minutes
+        self.wait_for(process)
+        process.send_signal(signal.SIGINT)
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(timeout=0.5)
+        process.send_signal(signal.SIGINT)
+        output, messages = process.communicate(timeout=10)
+        self.assertEqual(process.returncode, -signal.SIGINT, messages)
+        self.assertEqual(messages.count("luxel: interrupted"), 1)
+        self.assertFalse(os.path.exists(self.output))
+        self.assert_done(self.bake("--work", self.path("work")))
+
+    def test_previews_leave_the_result_as_it_is(self):
+        self.assert_done(self.bake("--tolerance", "1e-10"))
+        before = {name: read(os.path.join(self.out, name)) for name in files_below(self.out)}
+        result = self.bake("--tolerance", "1e-10", "--preview-every", "1e-6", "--report", self.path("report.json"))
+        self.assert_done(result)
+        self.assertGreater(self.report()["previews"]["written"], 0)
+        self.assertEqual({name: read(os.path.join(self.out, name)) for name in files_below(self.out)}, before)
 
 
 class Memory(Case):

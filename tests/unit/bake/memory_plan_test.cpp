@@ -22,8 +22,8 @@ const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1},
                    {60 * mebibyte, 50'000, 2048, 1024, 2},
                    {300 * mebibyte, 10'000'000, 4096, 4096, 16}};
 
-MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true) {
-    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded);
+MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true, bool previews = false) {
+    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded, previews);
 }
 
 /// The smallest budget that the message names, in bytes.
@@ -68,6 +68,15 @@ TEST(MemoryPlan, SharesFitTheBudget) {
 
 TEST(MemoryPlan, AnImageLibraryThatIsLoadedIsNotCountedTwice) {
     EXPECT_LT(stated_floor(sizes[0], true), stated_floor(sizes[0], false));
+}
+
+TEST(MemoryPlan, PreviewsComeBesideTheSolve) {
+    constexpr std::uint64_t library = 100 * mebibyte, budget = std::uint64_t{1} << 36;
+    for (const Size& size : sizes) {
+        const std::uint64_t page = std::uint64_t{size.page_size} * size.page_size * 3;  // at the least
+        EXPECT_GE(plan(budget, size, false, true).floor_bytes, plan(budget, size, false).floor_bytes + size.patch_count * 36 + page);
+        EXPECT_LE(plan(budget, size, false, true).cache_bytes + library / 2, plan(budget, size, false).cache_bytes);
+    }
 }
 
 TEST(MemoryPlan, TheFloorGrowsWithTheScene) {

@@ -170,5 +170,14 @@ TEST(Gather, DoesNotDependOnThePage) {
     EXPECT_EQ(by_place(*large), by_place(*small));
 }
 
+TEST(Gather, EndsEmptyWhenItIsAskedToStop) {
+    const auto made = test::prepare(SceneMaker().add("walls", test::room({0, 0, 0}, {2, 1, 1.5f})).build());
+    StopRequest stop;
+    stop.ask();
+    GatherOptions options;
+    options.stop = &stop;
+    for (const auto& page : gather(*made, std::vector<Rgb>(made->patches.count(), Rgb(1, 1, 1)), options)) EXPECT_TRUE(page.empty());
+}
+
 }  // namespace
 }  // namespace luxel

@@ -50,6 +50,15 @@ TEST(Sidecar, SaysWhatIsThere) {
     EXPECT_FALSE(page["png"].contains("uri"));
 }
 
+TEST(Sidecar, OnlyWhatIsNotFinalHasAState) {
+    Sidecar preview = example();
+    const Bytes final_text = sidecar_text(preview);
+    EXPECT_FALSE(nlohmann::json::parse(final_text.begin(), final_text.end()).contains("state"));
+    preview.state = "preview";
+    const Bytes text = sidecar_text(preview);
+    EXPECT_EQ(nlohmann::json::parse(text.begin(), text.end())["state"], "preview");
+}
+
 TEST(Sidecar, NamesAndBrokenText) {
     EXPECT_EQ(sidecar_path("out/hall.glb"), "out/hall.glb.lightmaps.json");
     Sidecar broken = example();
