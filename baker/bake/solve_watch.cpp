@@ -23,8 +23,10 @@ void SolveWatch::save(const SolveView& solve) {
 bool SolveWatch::step(const SolveView& solve) {
     ++steps_;
     if (progress_) progress_(solve.bytes_read() / 4096, 0);
-    // The first look shows where the solve began: one step more, so that runs which have too little time come further too.
-    if (steps_ > 1 && is_stopping(options_)) {
+    // The first look shows where the solve began: nothing that a picture needs, and those that are stopped each time they run
+    // would never come any further.
+    const bool has_moved = steps_ > 1;
+    if (has_moved && is_stopping(options_)) {
         stopped_ = true;
         save(solve);
         finish();
@@ -33,7 +35,7 @@ bool SolveWatch::step(const SolveView& solve) {
     const std::chrono::duration<double> since_last = Clock::now() - last_;
     const bool is_idle = !writing_.valid() || writing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (options_.checkpoint_s == 0 || (since_last.count() >= options_.checkpoint_s && is_idle)) save(solve);
-    if (preview_) preview_->show(solve);
+    if (has_moved && preview_) preview_->show(solve);
     return true;
 }
 
