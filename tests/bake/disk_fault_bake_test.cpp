@@ -113,6 +113,38 @@ TEST_F(DiskFaultBake, RenameErrors) {
     expect_faults_told_and_mended(DiskCall::rename, EACCES, ErrorCode::cannot_write, {"evidence", "pooling"});
 }
 
+/// What a thread of its own writes while the solve goes on fails aloud too.
+TEST_F(DiskFaultBake, ACheckpointThatCannotBeWritten) {
+    BakeOptions often = options();
+    const auto stage_noted = often.progress;
+    std::uint64_t writes = 0;
+    {
+        const DiskFault none(DiskCall::write, folder_.path().string(), ~std::uint64_t{0}, ENOSPC);
+        often.checkpoint_s = 0;
+        often.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
+            if (stage == "solve" && !writes) writes = none.calls();
+            stage_noted(stage, done, total, unit);
+        };
+        bake(often);
+        outputs_ = files_below(folder_ / "out");
+    }
+    forget();
+    {
+        const DiskFault fault(DiskCall::write, folder_.path().string(), writes, ENOSPC);
+        try {
+            bake(often);
+            ADD_FAILURE() << "nothing was thrown";
+        } catch (const Error& thrown) {
+            EXPECT_EQ(thrown.code, ErrorCode::cannot_write) << thrown.what();
+            EXPECT_NE(thrown.where.find("checkpoint-"), std::string::npos) << thrown.what();
+        }
+        EXPECT_EQ(stage_, "solve");
+    }
+    expect_valid_folder();
+    bake(often);
+    EXPECT_EQ(differences(outputs_, files_below(folder_ / "out")), "");
+}
+
 TEST_F(DiskFaultBake, ShortReadsAndWritesChangeNothing) {
     places(DiskCall::read);
     for (const DiskCall call : {DiskCall::read, DiskCall::write}) {

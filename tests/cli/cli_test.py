@@ -465,10 +465,11 @@ class Stop(Case):
         return process
 
     def wait_for(self, process, seconds=30):
-        """Until the first file of the evidence folder may be written: the rays are being traced."""
+        """Until the rays are being traced: a moment after the folder of the evidence is there."""
         end = time.monotonic() + seconds
         while time.monotonic() < end and process.poll() is None:
             if os.path.isdir(self.path("work")) and any(name.startswith("evidence-") for name in os.listdir(self.path("work"))):
+                time.sleep(0.5)
                 return
             time.sleep(0.005)
         self.fail("no rays were traced")
