@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/accuracy/replicate_gain.h"
@@ -110,6 +111,33 @@ class Rounds {
         scene_.matrix = build_matrix(options_, g_, evidence_, folder_, plan_, clock_, report_);
         scene_.solution = solve_patches(options_, g_, scene_.sources, scene_.matrix, tolerance, folder_, preview_ ? &*preview_ : nullptr,
                                          clock_, report_);
+        if (scene_.solution.is_whole)
+            forget_last_light();
+        else
+            serve_last_light();
+    }
+
+    /// A solve that was stopped before its bound said anything gives way to that of the round before.
+    void serve_last_light() {
+        SolveResult& result = scene_.solution.result;
+        if (!last_ || result.error_bound < 1) return;
+        for (const double tolerance : {options_.tolerance, round_tolerance()}) {
+            const Key key = solution_key(options_, g_, last_->closure, tolerance);
+            auto last = load_solution(folder_.solution(key), key, g_.patches.count());
+            if (!last) continue;
+            result = std::move(*last);
+            char bound[32];
+            std::snprintf(bound, sizeof bound, "%.1e", result.error_bound);
+            return note_stop(report_, "solve", std::string("the light is that of the round before, with a bound of ") + bound);
+        }
+    }
+
+    /// Removes what serve_last_light() would have taken.
+    void forget_last_light() {
+        if (!last_) return;
+        for (const double tolerance : {loose_tolerance, options_.tolerance})
+            folder_.discard_solution(solution_key(options_, g_, last_->closure, tolerance));
+        last_.reset();
     }
 
     /// What the accuracy room needs to know: the light, and the matrix that made it.
@@ -201,18 +229,18 @@ class Rounds {
         scene_.solution = {};
         const MatrixKeys last = matrix_keys(options_, evidence_);
         if (!evidence_.add(plan, clock_, report_)) return false;
+        forget_last_light();
         forget_matrix(last);
+        last_ = last;
         return true;
     }
 
-    /// Removes the files of a matrix, also those of a run that was killed before it came to that, or stopped there.
+    /// Removes the files of a matrix but for its light, also those of a run that was killed before it came to that, or stopped there.
     void forget_matrix(const MatrixKeys& keys) {
         folder_.discard(keys.strips, keys.closure);
         for (const double tolerance : {loose_tolerance, options_.tolerance}) {
-            const Key solution = solution_key(options_, g_, keys.closure, tolerance);
-            folder_.discard_solution(solution);
             std::error_code ignored;
-            std::filesystem::remove(folder_.accuracy(accuracy_key(solution)), ignored);
+            std::filesystem::remove(folder_.accuracy(accuracy_key(solution_key(options_, g_, keys.closure, tolerance))), ignored);
         }
     }
 
@@ -276,6 +304,7 @@ class Rounds {
     std::vector<std::uint32_t> neighbourhood_;
     SolvedScene scene_;
     std::optional<Preview> preview_;
+    std::optional<MatrixKeys> last_;  ///< of the round before, whose solution is kept until there is another
 };
 
 }  // namespace

@@ -157,6 +157,33 @@ TEST_F(StoppedBake, InALaterRoundTheLastOneServes) {
     expect_goes_on("early", more);
 }
 
+TEST_F(StoppedBake, ASolveThatHasHardlyBegunGivesWayToTheRoundBefore) {
+    BakeOptions more = options();
+    more.rays = 256;
+    steps("whole", more);
+    StopRequest stop;
+    int solves = 0;
+    BakeOptions early = more;
+    early.stop = &stop;
+    early.progress = [&](const std::string& stage, std::uint64_t, std::uint64_t, const char* unit) {
+        solves += stage == "solve" && std::string(unit).empty();  // a stage begins
+        if (solves == 2) stop.ask();
+    };
+    const FinishedBake ended = bake_in(folder_ / "early", early);
+    ASSERT_TRUE(ended.report.stopped);
+    EXPECT_EQ(ended.report.stopped->where, "solve");
+    EXPECT_GE(ended.report.error_bound, 1);
+    EXPECT_NE(ended.report.stopped->what.find("the light is that of the round before"), std::string::npos) << ended.report.stopped->what;
+    const auto mean = [](const FinishedBake& bake) {
+        double sum = 0;
+        for (const PagePixels& page : lightmap_pages(bake.report))
+            for (const auto& pixel : page.pixels) sum += static_cast<double>(pixel[1]);
+        return sum;
+    };
+    EXPECT_NEAR(mean(ended) / mean(whole_), 1, 0.1) << "and not dark";
+    expect_goes_on("early", more);
+}
+
 TEST_F(StoppedBake, PagesThatAreNotGatheredAreNotKept) {
     BakeOptions many = options();
     many.gather_rays = 256;
