@@ -23,10 +23,10 @@ enum class FileKind : std::uint32_t {
     sides = 7,      ///< which backs are open
     lamps = 8,      ///< direct light of lamps per patch
     plan = 9,       ///< levels of rays of one round
-    accuracy = 10,   ///< standard error per patch
-    patches = 11,    ///< bake/patches_file
-    directory = 12,  ///< bake/directory_file
-    checkpoint = 13  ///< a solve that has not ended
+    accuracy = 10,  ///< standard error per patch
+    patches = 11,   ///< bake/patches_file
+    directory = 12, ///< bake/directory_file
+    checkpoint = 13 ///< a solve that has not ended
 };
 
 /// Stored with each block: never renumber.
