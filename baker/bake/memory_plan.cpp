@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "baker/solver/coarse_space.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -14,11 +15,12 @@ constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
 /// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
 constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
 /// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
-/// padded to 4 in the kernels), closure (3), tallies and index by id; with coarse steps 356 in all; and two copies of what a
-/// shooting solve goes on from (72 each), the one that it began with and the one on its way to the disk. Afterwards those of
-/// the standard error take the place of the solver's: patterns, noise, sums (200), the result (48), beside what is known of the
-/// light (170).
-constexpr std::uint64_t bytes_per_patch = 500;
+/// padded to 4 in the kernels), closure (3), tallies and index by id, 268 in all; and a copy of what a shooting solve goes on
+/// from on its way to the disk (72). The coarse space and its copy come beside them.
+constexpr std::uint64_t solve_bytes_per_patch = 340;
+constexpr std::uint64_t bytes_per_entry = CoarseSpace::bytes_per_entry + CoarseSpace::saved_bytes_per_entry;
+/// Of the standard error: patterns, noise, sums (200), the result (48), beside what is known of the light (170).
+constexpr std::uint64_t accuracy_bytes_per_patch = 420;
 /// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
 constexpr std::uint64_t bytes_per_shown_patch = 24 + 12;
 /// A page on its way out: light of its texels, float RGB, mask, 8 bit RGB, and the encoders' copies of them.
@@ -37,7 +39,9 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, st
     const std::uint64_t blocks = pairs * 12 * threads;
     const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
     const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
-    const std::uint64_t solving = patch_count * bytes_per_patch + blocks + working_bytes;
+    const std::uint64_t vectors = std::max(patch_count * accuracy_bytes_per_patch,
+                                           patch_count * solve_bytes_per_patch + CoarseSpace::most_entries(patch_count) * bytes_per_entry);
+    const std::uint64_t solving = vectors + blocks + working_bytes;
     const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
     const std::uint64_t aside = previews ? writing : 0;

@@ -61,6 +61,8 @@ SolveResult solve_watched(SolverKind kind, BlockSource& source, const SolveInput
                           std::optional<SolveState> checkpoint, SolveWatch& watch, BakeReport& report) {
     SolveOptions options;
     options.tolerance = tolerance;
+    // A row that is read again for the next of its patches counts as read again, whatever is cached.
+    if (kind == SolverKind::shoot_patch) options.max_reads *= ChunkLayout::max_chunk_patches;
     options.step = [&](const SolveView& view) { return watch.step(view); };
     if (checkpoint) {
         options.resume = &*checkpoint;
@@ -92,7 +94,7 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, S
 }
 
 Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& matrix_key, double tolerance) {
-    return KeyBuilder("solution 2")
+    return KeyBuilder("solution 3")
         .text(solver_names()[static_cast<std::size_t>(options.solver)])
         .key(matrix_key)
         .key(g.scene.light_key)

@@ -48,7 +48,8 @@ class Adjoint {
     [[nodiscard]] std::vector<double> save(const Transport& transport) const;
     static Adjoint restore(Transport& transport, std::span<const double> numbers);
     /// restore() from the first of the vectors of a saved solve, certify() where there is none.
-    static Adjoint begin(Transport& transport, std::span<const std::uint8_t> emits, const std::vector<std::vector<double>>* saved) {
+    static Adjoint begin(Transport& transport, std::span<const std::uint8_t> emits,
+                         const std::optional<std::vector<std::vector<double>>>& saved) {
         return saved ? restore(transport, saved->front()) : certify(transport, emits);
     }
 

@@ -37,6 +37,14 @@ std::uint64_t CoarseSpace::entries_of(ChunkNumber chunk) const {
     return entries;
 }
 
+bool CoarseSpace::has_room(ChunkNumber chunk, std::size_t begun) const {
+    const std::uint64_t patches = transport_.layout().patch_count(), finished = vectors_.size() - begun;
+    const std::uint64_t usual = finished ? entries_ / finished : entries_of(chunk);
+    const std::uint64_t expected = of_chunk_[chunk].size() > begun ? entries_of(chunk) : usual;
+    if (of_chunk_[chunk].empty()) return entries_ + expected <= most_entries(patches);
+    return (of_chunk_[chunk].size() + 1) * expected * patches <= most_entries(patches) * transport_.size(chunk);
+}
+
 /// P_u^T (A / rho' - G) P_v of two vectors of one chunk.
 Channels CoarseSpace::inside(const Vector& u, const Vector& v) const {
     const PatchNumber first = transport_.first(u.chunk);
@@ -242,14 +250,14 @@ void CoarseSpace::restore(std::span<const double> numbers) {
     std::size_t at = 0;
     const auto take = [&](std::size_t count) {
         if (count > numbers.size() - at)
-            throw Error(ErrorCode::damaged_store, "saved solve", "it ends inside a vector of the coarse model");
+            throw Error(ErrorCode::internal, "saved solve", "it ends inside a vector of the coarse model");
         at += count;
         return numbers.subspan(at - count, count);
     };
     const auto whole = [&](double limit) {
         const double value = take(1)[0];
         if (!(value >= 0 && value < limit && value == std::floor(value)))
-            throw Error(ErrorCode::damaged_store, "saved solve", "found " + std::to_string(value) + " where a whole number is expected");
+            throw Error(ErrorCode::internal, "saved solve", "found " + std::to_string(value) + " where a whole number is expected");
         return static_cast<std::uint32_t>(value);
     };
     const auto channels = [&](std::size_t count) {

@@ -30,10 +30,12 @@ class CoarseSpace {
   public:
     explicit CoarseSpace(const Transport& transport);
 
-    /// As many entries as a solve of so many patches may have: 64 per patch in small scenes, 6 in large ones; 100 MB in between.
+    /// As many entries as a solve of so many patches may have: 64 per patch in small scenes, 4 in large ones; two million in between.
     [[nodiscard]] static constexpr std::uint64_t most_entries(std::uint64_t patches) {
-        return std::clamp<std::uint64_t>(4'000'000, 6 * patches, 64 * patches);
+        return std::clamp<std::uint64_t>(2'000'000, 4 * patches, 64 * patches);
     }
+    /// Of one entry: in the space, and in a copy by save().
+    static constexpr std::uint64_t bytes_per_entry = 26, saved_bytes_per_entry = 32;
 
     /// Begins a vector: radiosity P of the chunk's patches, 0 where nothing is reflected, and what they receive of it themselves, own = G_kk P; spare lanes
     /// are not used. What the chunk's other vectors hold of it already is taken out (Gram and Schmidt, in the energy norm, channel by
@@ -49,7 +51,10 @@ class CoarseSpace {
     [[nodiscard]] std::size_t vector_count() const { return vectors_.size(); }
     [[nodiscard]] std::size_t count_of(ChunkNumber chunk) const { return of_chunk_[chunk].size(); }
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
-    /// Entries that one more vector of this chunk has at most.
+    /// Has the space room for one more vector of this chunk, beside `begun` ones that are not finished? Further vectors than the first only
+    /// within the chunk's share by its patches: a model that lacks a room is no model.
+    [[nodiscard]] bool has_room(ChunkNumber chunk, std::size_t begun) const;
+    /// Entries that a vector of this chunk may have: as its first one, or as many as it can.
     [[nodiscard]] std::uint64_t entries_of(ChunkNumber chunk) const;
 
     /// c of every vector for the unshot light U (one entry per patch). Empty if there are no vectors, or the model is not positive: light that
@@ -70,7 +75,7 @@ class CoarseSpace {
     };
     [[nodiscard]] Exchange exchange(ChunkNumber chunk, std::span<const Channels> levels) const;
 
-    /// All vectors as numbers, and back, into an empty space. Throws Error{damaged_store} if they are not those of such a matrix.
+    /// All vectors as numbers, and back, into an empty space. Throws Error{internal} if they are not those of such a matrix.
     [[nodiscard]] std::vector<double> save() const;
     void restore(std::span<const double> numbers);
 

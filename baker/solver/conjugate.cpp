@@ -79,6 +79,7 @@ class Conjugate final : public SolverVectors {
         from_numbers((*saved_)[5], r_);
         from_numbers((*saved_)[6], p_);
         coarse_.restore((*saved_)[7]);
+        saved_.reset();
     }
 
     /// B from one read of x, and what x lacks: U = B - x.
@@ -190,7 +191,7 @@ class Conjugate final : public SolverVectors {
 
     SolveFrame& frame_;
     Transport& transport_;
-    const std::vector<std::vector<double>>* saved_;
+    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
     Adjoint adjoint_;
     const std::size_t count_;
     std::vector<Lanes> scale_, x_;  ///< s; the radiosity that is being improved, 1 in the spare lane

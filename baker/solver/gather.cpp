@@ -25,6 +25,7 @@ class Jacobi final : public SolverVectors {
         if (!saved_) return;
         from_numbers((*saved_)[1], irradiance_);
         from_numbers((*saved_)[2], sent_);
+        saved_.reset();
     }
 
     SolveResult run() {
@@ -66,7 +67,7 @@ class Jacobi final : public SolverVectors {
 
     SolveFrame& frame_;
     Transport& transport_;
-    const std::vector<std::vector<double>>* saved_;
+    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
     Adjoint adjoint_;
     std::vector<Lanes> sent_;
     std::vector<Channels> irradiance_, unshot_;
@@ -92,6 +93,7 @@ class Gatherer final : public SolverVectors {
         from_numbers((*saved_)[1], irradiance_);
         from_numbers((*saved_)[2], change_);
         from_numbers((*saved_)[3], radiosity_);
+        saved_.reset();
     }
 
     SolveResult run() {
@@ -201,7 +203,7 @@ class Gatherer final : public SolverVectors {
 
     SolveFrame& frame_;
     Transport& transport_;
-    const std::vector<std::vector<double>>* saved_;
+    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
     Adjoint adjoint_;
     std::vector<Lanes> radiosity_;  ///< x; 1 in the spare lane, which yields row sums
     std::vector<Lanes> below_;      ///< sum of G_ij x_j over the chunks before, of this sweep

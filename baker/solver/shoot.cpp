@@ -26,8 +26,10 @@ constexpr double small_part = 0.5;
 /// (each pair is applied some ten times inside the chunk).
 constexpr std::uint64_t entries_per_pair = 2;
 /// What the model leaves is of both signs and cancels later, which the bound does not count on. Below this share of the tolerance, of unshot
-/// over all power, the light is right; what is left to do is to bring the bound down, and shots alone do that better.
+/// over all power, the light is right; what is left to do is to bring the bound down, and shots alone do that better as long as what
+/// is left has both signs: less than this share of its weight is the net of its chunk.
 constexpr double model_until = 0.5;
+constexpr double one_sided = 0.9;
 
 class Shooter final : public SolverVectors {
   public:
@@ -51,6 +53,7 @@ class Shooter final : public SolverVectors {
     void shoot(ChunkNumber chunk);
     void add_vectors(const ChunkSystem& system, std::span<const Lanes> sent);
     void coarse_step();
+    [[nodiscard]] bool wants_model() const;
     void lower_by_model();
     [[nodiscard]] std::vector<Lanes> solve_unshot(const ChunkSystem& system) const;
     void receive(ChunkNumber chunk, std::span<const Lanes> exchange);
@@ -60,14 +63,14 @@ class Shooter final : public SolverVectors {
 
     SolveFrame& frame_;
     Transport& transport_;
-    const std::vector<std::vector<double>>* saved_;
+    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
     std::vector<ErrorSums> sums_;  ///< per chunk
     Channels power_{0, 0, 0};             ///< sum A B
     CoarseSpace coarse_;
     std::vector<std::vector<Lanes>> new_vectors_;  ///< of the chunk that shoots: their columns are still to be found
-    std::uint64_t pairs_since_step_ = 0;
+    std::uint64_t pairs_since_step_ = 0;  ///< coarse step
     std::uint64_t lowered_at_bytes_ = 0;  ///< requested, when the weights of all chunks were last lowered together
 };
 
@@ -92,6 +95,7 @@ Shooter::Shooter(SolveFrame& frame)
         pairs_since_step_ = static_cast<std::uint64_t>((*saved_)[3][0]);
         lowered_at_bytes_ = static_cast<std::uint64_t>((*saved_)[3][1]);
         coarse_.restore((*saved_)[4]);
+        saved_.reset();
     }
     weigh_all();
 }
@@ -244,7 +248,6 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
         if (row_bytes - own_bytes <= small_part * row_bytes)
             for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, most_neighbours)) light.push_back(std::move(of_neighbour));
     }
-    const std::uint64_t entries = coarse_.entries_of(chunk);
     light.emplace_back(sent.begin(), sent.end());
     for (std::vector<Lanes>& radiosity : light) {
         for (std::size_t i = 0; i < radiosity.size(); ++i)
@@ -254,7 +257,7 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
                 const bool is_dark = irradiance_[transport_.first(chunk) + i][c] == 0;
                 if (system.scale()[i].v[c] == 0 || is_dark) radiosity[i].v[c] = 0;
             }
-        if (coarse_.entries() + (new_vectors_.size() + 1) * entries > CoarseSpace::most_entries(unshot_.size())) return;
+        if (!coarse_.has_room(chunk, new_vectors_.size())) return;
         std::vector<Lanes> own;
         system.multiply(radiosity, own);
         if (const auto vector = coarse_.add(chunk, radiosity, own)) new_vectors_.push_back(coarse_.radiosity(*vector));
@@ -263,17 +266,23 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
 
 /// Sends, without a read, the light that the coarse model says is still to come.
 void Shooter::coarse_step() {
-    if (coarse_.vector_count() == 0 || coarse_.entries() > entries_per_pair * pairs_since_step_) return;
-    const ErrorSums now = total();
-    double unshot = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-        if (now.power[c] > 0) unshot = std::max(unshot, now.unshot[c] / now.power[c]);
-    if (unshot < model_until * frame_.options().tolerance) return;
-    pairs_since_step_ = 0;
+    if (!wants_model()) return;
     const std::vector<Channels> levels = coarse_.levels(unshot_);
     if (levels.empty()) return;
     coarse_.send(levels, irradiance_, unshot_);
     weigh_all();
+    pairs_since_step_ = 0;
+}
+
+bool Shooter::wants_model() const {
+    if (coarse_.vector_count() == 0 || coarse_.entries() > entries_per_pair * pairs_since_step_) return false;
+    const ErrorSums now = total();
+    Channels net{0, 0, 0};
+    for (const ErrorSums& sums : sums_)
+        for (std::size_t c = 0; c < 3; ++c) net[c] += std::abs(sums.weighted[c] - 2 * sums.negative[c]);
+    for (std::size_t c = 0; c < 3; ++c)
+        if (now.unshot[c] > model_until * frame_.options().tolerance * now.power[c] || net[c] > one_sided * now.weighted[c]) return true;
+    return false;
 }
 
 /// Once all rows are known the model tells weights of all chunks at once, which shots would find one chunk at a time.

@@ -6,11 +6,12 @@
 #include "baker/solver/conjugate.h"
 #include "baker/solver/gather.h"
 #include "baker/solver/shoot.h"
+#include "baker/solver/shoot_patch.h"
 
 namespace luxel {
 namespace {
 
-constexpr std::array<std::string_view, 4> names{"shoot", "gather", "jacobi", "cg"};  // in the order of SolverKind
+constexpr std::array<std::string_view, 5> names{"shoot", "shoot-patch", "gather", "jacobi", "cg"};  // in the order of SolverKind
 
 }  // namespace
 
@@ -26,6 +27,8 @@ SolveResult solve(SolverKind kind, BlockSource& source, const SolveInput& input,
     switch (kind) {
         case SolverKind::shoot:
             return solve_by_shooting(source, input, options);
+        case SolverKind::shoot_patch:
+            return solve_by_shooting_patches(source, input, options);
         case SolverKind::gather:
             return solve_by_gathering(source, input, options);
         case SolverKind::jacobi:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "baker/core/parallel.h"
 #include "formats/base/error.h"
@@ -58,7 +59,8 @@ SolveFrame::SolveFrame(BlockSource& source, const SolveInput& input, const Solve
       scale_(emission_scale(input, is_lit_)),
       transport_(source, input.reflectance, is_lit_),
       total_bytes_(source.total_bytes()),
-      disk_bytes_before_(source.bytes_read()) {
+      disk_bytes_before_(source.bytes_read()),
+      resumed_bytes_(options.resume ? options.resume->bytes_read : 0) {
     result_.solver = std::move(solver);
     if (options.resume) {
         for (const SolveStep& step : options.resume->history) history_.add(step);
@@ -113,16 +115,16 @@ class SolveFrame::View final : public SolveView {
 };
 
 std::uint64_t SolveFrame::bytes_read() const {
-    return source_.bytes_read() - disk_bytes_before_ + (options_.resume ? options_.resume->bytes_read : 0);
+    return source_.bytes_read() - disk_bytes_before_ + resumed_bytes_;
 }
 
-const std::vector<std::vector<double>>* SolveFrame::resumed(std::span<const std::size_t> sizes) const {
-    if (!options_.resume) return nullptr;
-    const SolveState& state = *options_.resume;
+std::optional<std::vector<std::vector<double>>> SolveFrame::resumed(std::span<const std::size_t> sizes) const {
+    if (!options_.resume) return std::nullopt;
+    SolveState& state = *options_.resume;
     bool fits = state.solver == result_.solver && state.numbers.size() == sizes.size();
     for (std::size_t k = 0; fits && k < sizes.size(); ++k) fits = sizes[k] == any_size || state.numbers[k].size() == sizes[k];
     if (!fits) throw Error(ErrorCode::internal, "solve", "the state to go on from is not one of this solver and matrix");
-    return &state.numbers;
+    return std::exchange(state.numbers, {});
 }
 
 bool SolveFrame::note(double error_bound, const SolverVectors& solver) {

@@ -5,6 +5,7 @@
 /// mantissas. Ownership: keeps references to source, input and options. Threads: one at a time.
 #pragma once
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,8 +65,9 @@ class SolveFrame {
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
-    /// The numbers to go on from, or null at the beginning. `sizes`: of the vectors that the solver expects.
-    [[nodiscard]] const std::vector<std::vector<double>>* resumed(std::span<const std::size_t> sizes) const;
+    /// The numbers to go on from, which the frame no longer holds then; nothing at the beginning. `sizes`: of the vectors that the solver
+    /// expects. Throws Error{internal} for others.
+    [[nodiscard]] std::optional<std::vector<std::vector<double>>> resumed(std::span<const std::size_t> sizes) const;
 
     /// Notes where the solve is, for history, and lets the caller look. True: the caller wants no more.
     bool note(double error_bound, const SolverVectors& solver);
@@ -91,7 +93,7 @@ class SolveFrame {
     Transport transport_;
     std::vector<std::uint8_t> emits_;
     Channels emitted_power_{0, 0, 0};
-    const std::uint64_t total_bytes_, disk_bytes_before_;
+    const std::uint64_t total_bytes_, disk_bytes_before_, resumed_bytes_;
     bool trivial_ = false, stopped_ = false;
     History history_;
     SolveResult result_;

@@ -52,8 +52,9 @@ struct SolveOptions {
     /// Called after every step, on the caller's thread. False: stop; what is there is the result, not converged if the bound is not met.
     std::function<bool(const SolveView&)> step;
     /// Go on from here, with the same source, input and options as before: the result is the same, bit for bit, as that of
-    /// a solve that never stopped. State of another solver, or of other sizes, is Error{internal}. Read during the call only.
-    const SolveState* resume = nullptr;
+    /// a solve that never stopped. State of another solver, or of other sizes, is Error{internal}. Its numbers are gone
+    /// after the call, so that no solve holds them twice.
+    SolveState* resume = nullptr;
 };
 
 struct SolveResult {

@@ -2,6 +2,8 @@
 // that shows itself on the way.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <fstream>
 
 #include "baker/bake/bake_folder.h"
@@ -100,8 +102,10 @@ TEST_P(StoppedSolve, GoesOnFromAnyStep) {
     std::printf("%s: stopped and continued at %d of %d steps\n", std::string(solver_names()[static_cast<std::size_t>(one.solver)]).c_str(), resumed, all);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllSolvers, StoppedSolve, testing::Values(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
-                         [](const auto& kind) { return std::string(solver_names()[static_cast<std::size_t>(kind.param)]); });
+INSTANTIATE_TEST_SUITE_P(AllSolvers, StoppedSolve, testing::Values(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
+                         [](const auto& kind) { std::string name(solver_names()[static_cast<std::size_t>(kind.param)]);
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name; });
 
 TEST_F(StoppedBake, OneStepARunComesToTheSameEnd) {
     BakeOptions few = options();

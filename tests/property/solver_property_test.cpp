@@ -34,7 +34,7 @@ Scene any_scene(float highest_reflectance) {
     want.door = *rc::gen::element(0.3, 0.01, 1e-4, 0.0);
     want.alone = *rc::gen::element(0.0, 0.0, 0.2);
     Scene scene{test::random_matrix(want, seed), {}, test::random_emission(want.patches, seed + 1),
-                *rc::gen::element(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg)};
+                *rc::gen::element(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg)};
     const float highest = highest_reflectance * static_cast<float>(*rc::gen::inRange(0, 101)) / 100.0f;
     scene.reflectance = test::random_reflectance(want.patches, 0.0f, highest, seed + 2);
     for (std::size_t i = 0; i < want.patches; i += 7) scene.reflectance[i] = {0, 0, 0};

@@ -1,6 +1,8 @@
 /// What every solver must do, for all of them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 #include <cstdio>
 
@@ -17,9 +19,11 @@ using test::random_matrix;
 
 class Solvers : public testing::TestWithParam<SolverKind> {
   protected:
+    /// Shooting patch by patch reads a chunk's row for each of them.
+    static constexpr std::uint64_t enough = 1'000'000;
     static SolveResult run(const Matrix& matrix, const std::vector<Rgb>& reflectance,
                            const std::vector<Channels>& emission, double tolerance = 1e-3,
-                           std::uint64_t max_reads = 1000) {
+                           std::uint64_t max_reads = enough) {
         MemoryBlocks blocks = matrix.blocks();
         SolveOptions options;
         options.tolerance = tolerance;
@@ -148,6 +152,7 @@ TEST_P(Solvers, StopWhenToldAndGoOnToTheSameBits) {
         SolveState state;
         SolveOptions options;
         options.tolerance = 1e-5;
+        options.max_reads = enough;
         std::size_t steps = 0;
         std::vector<Channels> seen;
         options.step = [&](const SolveView& view) {
@@ -203,9 +208,11 @@ TEST_P(Solvers, AmbientLightIsAllThatIsStillToComeInAClosedRoom) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Solvers,
-                         testing::Values(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
+                         testing::Values(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
                          [](const testing::TestParamInfo<SolverKind>& kind) {
-                             return std::string(solver_names()[static_cast<std::size_t>(kind.param)]);
+                             std::string name(solver_names()[static_cast<std::size_t>(kind.param)]);
+                             std::replace(name.begin(), name.end(), '-', '_');
+                             return name;
                          });
 
 }  // namespace
