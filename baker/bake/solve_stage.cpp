@@ -48,7 +48,7 @@ void tell_path(const BakedMatrix& matrix, BakeReport& report) {
     const ChunkLayout& layout = matrix.strips->layout();
     std::uint64_t decoded = 0;
     for (const BlockInfo& block : matrix.strips->blocks())
-        decoded += block.pair_count * (sizeof(std::uint16_t) + sizeof(float)) + (layout.size(block.a) + 1) * sizeof(std::uint32_t);
+        decoded += BlockCache::resident_bytes(block, layout);
     report.solve_path = decoded <= matrix.cache_bytes ? "in memory" : "out of core";
     char text[128];
     std::snprintf(text, sizeof text, "all decoded blocks take %.1f MB, the cache may hold %.1f MB", static_cast<double>(decoded) / 0x1p20,
@@ -117,7 +117,8 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
             return true;
         }
         ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
-        BlockCache cache(strips, matrix.cache_bytes);
+        // Rows that are traced again use all threads already.
+        BlockCache cache(strips, matrix.cache_bytes, options.store == StoreKind::all && options.threads != 1);
         const auto checkpoint = folder.checkpoint(solution.key);
         SolveWatch watch(options, checkpoint, solution.key, clock.progress("pages read"), preview);
         solution.result = solve_watched(options.solver, cache, {solution.reflectance, sources.emission}, tolerance,

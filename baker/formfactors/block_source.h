@@ -5,6 +5,7 @@
 /// with row < column; the diagonal is a vector of its own. Row i of G sums to area_m2[i] minus what left into the open.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,14 @@ class BlockSource {
     [[nodiscard]] virtual std::span<const BlockInfo> blocks() const = 0;
     /// Decodes block `index` of blocks(). Threads: reentrant. Throws Error{damaged_store}. Adds to bytes_read().
     virtual void load(std::size_t index, Block& out) = 0;
+    /// The same, without a copy where the block is in memory already. Never null.
+    [[nodiscard]] virtual std::shared_ptr<const Block> share(std::size_t index) {
+        auto block = std::make_shared<Block>();
+        load(index, *block);
+        return block;
+    }
+    /// These blocks will be asked for soon, in this order: a source may begin to read them. Changes nothing that load() gives.
+    virtual void expect(std::span<const std::size_t>) {}
     /// Sum of read_bytes over all loads so far that went to the disk.
     [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
     /// Sum of read_bytes over all blocks: one full read.

@@ -67,4 +67,9 @@ void MemoryBlocks::load(std::size_t index, Block& out) {
     bytes_read_ += infos_[index].read_bytes;
 }
 
+std::shared_ptr<const Block> MemoryBlocks::share(std::size_t index) {
+    bytes_read_ += infos_[index].read_bytes;
+    return {std::shared_ptr<void>(), &blocks_[index]};  // it lives as long as this does
+}
+
 }  // namespace luxel

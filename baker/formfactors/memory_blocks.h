@@ -31,6 +31,7 @@ class MemoryBlocks final : public BlockSource {
     [[nodiscard]] std::span<const double> diagonal_m2() const override { return diagonal_m2_; }
     [[nodiscard]] std::span<const BlockInfo> blocks() const override { return infos_; }
     void load(std::size_t index, Block& out) override;
+    [[nodiscard]] std::shared_ptr<const Block> share(std::size_t index) override;
     [[nodiscard]] std::uint64_t bytes_read() const override { return bytes_read_.load(); }
 
   private:

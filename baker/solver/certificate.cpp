@@ -96,9 +96,8 @@ Certifier::ChunkFinding Certifier::inspect(ChunkNumber chunk, bool solves_rows, 
     ChunkFinding finding;
     const PatchNumber first = transport_.first(chunk);
     const std::size_t count = transport_.size(chunk);
-    Block diagonal;
-    const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
-    const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+    const std::shared_ptr<const Block> diagonal = transport_.load_diagonal(chunk);
+    const ChunkSystem system(transport_, chunk, diagonal.get());
     std::vector<Lanes> w(count);
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c) w[i].v[c] = weights_[first + i][c];

@@ -37,12 +37,12 @@ std::uint64_t CoarseSpace::entries_of(ChunkNumber chunk) const {
     return entries;
 }
 
-bool CoarseSpace::has_room(ChunkNumber chunk, std::size_t begun) const {
+std::size_t CoarseSpace::room_for(ChunkNumber chunk, std::size_t begun) const {
     const std::uint64_t patches = transport_.layout().patch_count(), finished = vectors_.size() - begun;
     const std::uint64_t usual = finished ? entries_ / finished : entries_of(chunk);
     const std::uint64_t expected = of_chunk_[chunk].size() > begun ? entries_of(chunk) : usual;
-    if (of_chunk_[chunk].empty()) return entries_ + expected <= most_entries(patches);
-    return (of_chunk_[chunk].size() + 1) * expected * patches <= most_entries(patches) * transport_.size(chunk);
+    if (of_chunk_[chunk].empty() && entries_ + expected > most_entries(patches)) return 0;
+    return std::max<std::size_t>(most_entries(patches) * transport_.size(chunk) / (patches * expected), 1);
 }
 
 /// P_u^T (A / rho' - G) P_v of two vectors of one chunk.

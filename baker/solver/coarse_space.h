@@ -32,7 +32,7 @@ class CoarseSpace {
 
     /// As many entries as a solve of so many patches may have: 64 per patch in small scenes, 4 in large ones; two million in between.
     [[nodiscard]] static constexpr std::uint64_t most_entries(std::uint64_t patches) {
-        return std::clamp<std::uint64_t>(2'000'000, 4 * patches, 64 * patches);
+        return std::clamp<std::uint64_t>(1'000'000, 4 * patches, 64 * patches);
     }
     /// Of one entry: in the space, and in a copy by save().
     static constexpr std::uint64_t bytes_per_entry = 26, saved_bytes_per_entry = 32;
@@ -51,9 +51,9 @@ class CoarseSpace {
     [[nodiscard]] std::size_t vector_count() const { return vectors_.size(); }
     [[nodiscard]] std::size_t count_of(ChunkNumber chunk) const { return of_chunk_[chunk].size(); }
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
-    /// Has the space room for one more vector of this chunk, beside `begun` ones that are not finished? Further vectors than the first only
-    /// within the chunk's share by its patches: a model that lacks a room is no model.
-    [[nodiscard]] bool has_room(ChunkNumber chunk, std::size_t begun) const;
+    /// How many vectors of this chunk the space has room for, those included that it has; `begun` of all vectors are not finished. Further
+    /// vectors than the first only within the chunk's share by its patches: a model that lacks a room is no model.
+    [[nodiscard]] std::size_t room_for(ChunkNumber chunk, std::size_t begun) const;
     /// Entries that a vector of this chunk may have: as its first one, or as many as it can.
     [[nodiscard]] std::uint64_t entries_of(ChunkNumber chunk) const;
 

@@ -39,17 +39,16 @@ std::vector<Lanes> inside_the_chunk(const ChunkSystem& system, std::vector<Lanes
 
 /// rho' / A times what the chunk receives through one block if every patch of the other chunk has the radiosity rho'.
 std::vector<Lanes> arriving(Transport& transport, ChunkNumber chunk, const RowBlock& from) {
-    Block block;
-    transport.load(from.index, block);
+    const std::shared_ptr<const Block> block = transport.load(from.index);
     std::vector<Lanes> bright(transport.size(from.other)), pattern(transport.size(chunk));
     for (std::size_t i = 0; i < bright.size(); ++i) {
         const Channels& reflect = transport.scaled_reflectance(transport.first(from.other) + static_cast<PatchNumber>(i));
         for (std::size_t c = 0; c < 3; ++c) bright[i].v[c] = reflect[c];
     }
     if (from.is_a)
-        gather_rows(block, bright, pattern);
+        gather_rows(*block, bright, pattern);
     else
-        scatter_columns(block, bright, pattern);
+        scatter_columns(*block, bright, pattern);
     for (std::size_t i = 0; i < pattern.size(); ++i) {
         const PatchNumber patch = transport.first(chunk) + static_cast<PatchNumber>(i);
         for (std::size_t c = 0; c < 3; ++c)
@@ -69,7 +68,8 @@ std::vector<Lanes> even_light(const Transport& transport, const ChunkSystem& sys
     return inside_the_chunk(system, std::move(light));
 }
 
-std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, const ChunkSystem& system, const Block& diagonal) {
+std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, const ChunkSystem& system, const Block* diagonal) {
+    if (!diagonal) return {};
     constexpr std::size_t most_parts = 4;
     // Union-find over the pairs.
     std::vector<std::size_t> parent(system.size());
@@ -78,9 +78,9 @@ std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, 
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
-    for (std::size_t row = 0; row + 1 < diagonal.row_begin.size(); ++row)
-        for (std::size_t k = diagonal.row_begin[row]; k < diagonal.row_begin[row + 1]; ++k) {
-            const std::size_t a = root(row), b = root(diagonal.columns[k]);
+    for (std::size_t row = 0; row + 1 < diagonal->row_begin.size(); ++row)
+        for (std::size_t k = diagonal->row_begin[row]; k < diagonal->row_begin[row + 1]; ++k) {
+            const std::size_t a = root(row), b = root(diagonal->columns[k]);
             parent[std::max(a, b)] = std::min(a, b);
         }
     std::vector<std::size_t> patches_of(system.size(), 0), roots;

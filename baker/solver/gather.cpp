@@ -136,9 +136,8 @@ class Gatherer final : public SolverVectors {
         for (const RowBlock& block : transport_.row(chunk))
             if (block.is_a) behind.push_back(block);
         const std::vector<Lanes> gathered = gather_along(chunk, behind);
-        Block diagonal;
-        const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
-        const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+        const std::shared_ptr<const Block> diagonal = transport_.load_diagonal(chunk);
+        const ChunkSystem system(transport_, chunk, diagonal.get());
         std::vector<Lanes> solved = solve_gathered(system, gathered), exchange;
         for (Lanes& of_patch : solved) of_patch.v[3] = 1;
         system.multiply(solved, exchange);
@@ -153,9 +152,8 @@ class Gatherer final : public SolverVectors {
         if (!adjoint_.hold_for(transport_, first, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         std::copy(solved.begin(), solved.end(), radiosity_.begin() + first);
         parallel_for(behind.size(), 1, [&](std::size_t k) {
-            Block block;
-            transport_.load(behind[k].index, block);
-            scatter_columns(block, solved, of_chunk(below_, behind[k].other));
+            const std::shared_ptr<const Block> block = transport_.load(behind[k].index);
+            scatter_columns(*block, solved, of_chunk(below_, behind[k].other));
         });
     }
 
@@ -173,10 +171,9 @@ class Gatherer final : public SolverVectors {
         for (std::size_t first = 0; first < behind.size(); first += transport_batch_blocks) {
             const std::size_t batch = std::min(transport_batch_blocks, behind.size() - first);
             parallel_for(batch, 1, [&](std::size_t k) {
-                Block block;
-                transport_.load(behind[first + k].index, block);
+                const std::shared_ptr<const Block> block = transport_.load(behind[first + k].index);
                 parts[k].assign(gathered.size(), Lanes{});
-                gather_rows(block, of_chunk(radiosity_, behind[first + k].other), parts[k]);
+                gather_rows(*block, of_chunk(radiosity_, behind[first + k].other), parts[k]);
             });
             for (std::size_t k = 0; k < batch; ++k)
                 for (std::size_t i = 0; i < gathered.size(); ++i)

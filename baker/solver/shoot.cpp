@@ -179,8 +179,8 @@ std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const L
         const std::size_t batch = std::min(transport_batch_blocks, row.size() - first);
         parallel_for(batch, 1, [&](std::size_t k) {
             const RowBlock& target = row[first + k];
-            Block block;
-            transport_.load(target.index, block);
+            const std::shared_ptr<const Block> loaded = transport_.load(target.index);
+            const Block& block = *loaded;
             std::vector<Lanes> source(transport_.size(target.other)), exchange(source.size());
             for (std::size_t i = 0; i < source.size(); ++i) {
                 const PatchNumber patch = transport_.first(target.other) + static_cast<PatchNumber>(i);
@@ -213,9 +213,9 @@ std::vector<Lanes> Shooter::shoot_to_others(ChunkNumber chunk, std::span<const L
 }
 
 void Shooter::shoot(ChunkNumber chunk) {
-    Block diagonal;
-    const bool has_pairs = transport_.load_diagonal(chunk, diagonal);
-    const ChunkSystem system(transport_, chunk, has_pairs ? &diagonal : nullptr);
+    const std::shared_ptr<const Block> diagonal = transport_.load_diagonal(chunk);
+    const ChunkSystem system(transport_, chunk, diagonal.get());
+    transport_.expect_row(chunk);  // while the light inside the chunk is found
     const std::vector<Lanes> sent = solve_unshot(system);
     for (std::size_t i = 0; i < sent.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) unshot_[transport_.first(chunk) + i][c] -= sent[i].v[c];
@@ -226,7 +226,7 @@ void Shooter::shoot(ChunkNumber chunk) {
     const std::vector<Lanes> gathered = shoot_to_others(chunk, sent);
     for (std::size_t k = 0; k < new_vectors_.size(); ++k) coarse_.finish(coarse_.vector_count() - new_vectors_.size() + k);
     new_vectors_.clear();
-    pairs_since_step_ += diagonal.columns.size();
+    if (diagonal) pairs_since_step_ += diagonal->columns.size();
     for (const RowBlock& block : transport_.row(chunk)) pairs_since_step_ += transport_.blocks()[block.index].pair_count;
     if (adjoint_.lower(transport_, system, gathered)) {
         weigh(chunk);
@@ -239,14 +239,16 @@ void Shooter::shoot(ChunkNumber chunk) {
 /// What the chunk adds to the coarse space with this shot.
 void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent) {
     const ChunkNumber chunk = system.chunk();
-    if (sums_.size() == 1 || coarse_.count_of(chunk) >= most_vectors) return;
+    const std::size_t room = std::min(most_vectors, coarse_.room_for(chunk, 0));
+    if (sums_.size() == 1 || coarse_.count_of(chunk) >= room) return;
     std::vector<std::vector<Lanes>> light;
     if (coarse_.count_of(chunk) == 0) {
         light.push_back(even_light(transport_, system));
         const auto row_bytes = static_cast<double>(transport_.row_bytes(chunk));
         const double own_bytes = transport_.has_diagonal(chunk) ? static_cast<double>(transport_.diagonal_bytes(chunk)) : 0.0;
-        if (row_bytes - own_bytes <= small_part * row_bytes)
-            for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, most_neighbours)) light.push_back(std::move(of_neighbour));
+        if (row_bytes - own_bytes <= small_part * row_bytes && room > 1)
+            for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, std::min(most_neighbours, room - 1)))
+                light.push_back(std::move(of_neighbour));
     }
     light.emplace_back(sent.begin(), sent.end());
     for (std::vector<Lanes>& radiosity : light) {
@@ -257,7 +259,7 @@ void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent
                 const bool is_dark = irradiance_[transport_.first(chunk) + i][c] == 0;
                 if (system.scale()[i].v[c] == 0 || is_dark) radiosity[i].v[c] = 0;
             }
-        if (!coarse_.has_room(chunk, new_vectors_.size())) return;
+        if (coarse_.count_of(chunk) >= room) return;
         std::vector<Lanes> own;
         system.multiply(radiosity, own);
         if (const auto vector = coarse_.add(chunk, radiosity, own)) new_vectors_.push_back(coarse_.radiosity(*vector));

@@ -96,18 +96,17 @@ class PatchShooter final : public SolverVectors {
         const Channels sent = std::exchange(unshot_[patch], {0, 0, 0});
         const PatchNumber row = patch - transport_.first(chunk);
         Lanes row_sum;
-        Block block;
-        if (transport_.load_diagonal(chunk, block)) {
-            send_along_row(block, row, chunk, sent, row_sum);
-            send_along_column(block, row, chunk, sent, row_sum);
+        if (const std::shared_ptr<const Block> block = transport_.load_diagonal(chunk)) {
+            send_along_row(*block, row, chunk, sent, row_sum);
+            send_along_column(*block, row, chunk, sent, row_sum);
         }
         find_brightest(chunk);
         for (const RowBlock& target : transport_.row(chunk)) {
-            transport_.load(target.index, block);
+            const std::shared_ptr<const Block> block = transport_.load(target.index);
             if (target.is_a)
-                send_along_row(block, row, target.other, sent, row_sum);
+                send_along_row(*block, row, target.other, sent, row_sum);
             else
-                send_along_column(block, row, target.other, sent, row_sum);
+                send_along_column(*block, row, target.other, sent, row_sum);
             find_brightest(target.other);
         }
         if (!adjoint_.hold_for(transport_, patch, std::span(&row_sum, 1))) adjoint_.certify_by_reads(transport_, frame_.emits());

@@ -65,18 +65,19 @@ double Transport::self_factor(PatchNumber patch, std::size_t channel) const {
     return std::max(factor, smallest_self_factor);
 }
 
-void Transport::load(std::size_t block_index, Block& out) {
-    source_.load(block_index, out);
+std::shared_ptr<const Block> Transport::load(std::size_t block_index) {
     requested_bytes_ += blocks()[block_index].read_bytes;
+    return source_.share(block_index);
 }
 
-bool Transport::load_diagonal(ChunkNumber chunk, Block& out) {
-    if (!has_diagonal(chunk)) {
-        out = Block{};
-        return false;
-    }
-    load(diagonal_[chunk], out);
-    return true;
+std::shared_ptr<const Block> Transport::load_diagonal(ChunkNumber chunk) {
+    return has_diagonal(chunk) ? load(diagonal_[chunk]) : nullptr;
+}
+
+void Transport::expect_row(ChunkNumber chunk) {
+    std::vector<std::size_t> indexes;
+    for (const RowBlock& block : rows_[chunk]) indexes.push_back(block.index);
+    source_.expect(indexes);
 }
 
 }  // namespace luxel

@@ -50,9 +50,11 @@ class Transport {
     /// Bytes of all blocks of the row, the diagonal block included.
     [[nodiscard]] std::uint64_t row_bytes(ChunkNumber chunk) const { return row_bytes_[chunk]; }
 
-    void load(std::size_t block_index, Block& out);
-    /// False, and an empty block, where the chunk has no pairs of its own.
-    bool load_diagonal(ChunkNumber chunk, Block& out);
+    [[nodiscard]] std::shared_ptr<const Block> load(std::size_t block_index);
+    /// Null where the chunk has no pairs of its own.
+    [[nodiscard]] std::shared_ptr<const Block> load_diagonal(ChunkNumber chunk);
+    /// The blocks of the row, but for the diagonal one, will be loaded soon.
+    void expect_row(ChunkNumber chunk);
     /// Bytes asked for so far, whether they came from the disk or from a cache: decisions depend on this count only.
     [[nodiscard]] std::uint64_t requested_bytes() const { return requested_bytes_.load(); }
     /// Counts from here: a solve goes on that had asked for so many.

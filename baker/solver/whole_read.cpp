@@ -31,8 +31,8 @@ std::vector<Lanes> sum_over_blocks(Transport& transport, std::span<const std::si
     for (std::size_t first = 0; first < indexes.size(); first += transport_batch_blocks) {
         const std::size_t batch = std::min(transport_batch_blocks, indexes.size() - first);
         parallel_for(batch, 1, [&](std::size_t k) {
-            Block block;
-            transport.load(indexes[first + k], block);
+            const std::shared_ptr<const Block> loaded = transport.load(indexes[first + k]);
+            const Block& block = *loaded;
             Part& part = parts[k];
             part.a = block.a;
             part.b = block.b;
@@ -97,11 +97,10 @@ std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const La
     std::vector<std::vector<std::vector<Lanes>>> light(chunk_count), own(chunk_count);  // per chunk and part of it
     parallel_for(chunk_count, 1, [&](std::size_t k) {
         const auto chunk = static_cast<ChunkNumber>(k);
-        Block diagonal;
-        const bool has_pairs = transport.load_diagonal(chunk, diagonal);
-        const ChunkSystem system(transport, chunk, has_pairs ? &diagonal : nullptr);
+        const std::shared_ptr<const Block> diagonal = transport.load_diagonal(chunk);
+        const ChunkSystem system(transport, chunk, diagonal.get());
         system.multiply(of_chunk(chunk), inside[k]);
-        light[k] = even_light_of_parts(transport, system, diagonal);
+        light[k] = even_light_of_parts(transport, system, diagonal.get());
         own[k].resize(light[k].size());
         for (std::size_t part = 0; part < light[k].size(); ++part) system.multiply(light[k][part], own[k][part]);
     });

@@ -1,7 +1,7 @@
 /// What solvers read until the light is right, on the matrix of a scene: bytes read over bytes of the half matrix, true error, bound.
 ///
 /// usage: solver_bench SCENE [--albedo R ...] [--solver NAME ...] [--cache SHARE] [--chunk-patches N] [--rays N]
-///                     [--density T] [--patch-texels K] [--error E] [--work DIR] [--csv FILE] [--repeat N]
+///                     [--density T] [--patch-texels K] [--error E] [--work DIR] [--csv FILE] [--repeat N] [--no-read-ahead]
 /// Reflectances keep their contrasts and are moved so that their area-weighted mean is --albedo (0: as the scene has them). The true
 /// error is area-weighted, relative L1, of radiosity, the worst channel, against conjugate gradients at a bound of 1e-8. --cache is the share of all decoded
 /// blocks that a cache may hold. Seconds are of the whole solve down to a bound of --error, without looks at it from outside; "decode" is the
@@ -33,6 +33,7 @@ struct Settings {
     std::vector<std::string> solvers{"shoot"};
     double cache = 0, error = 1e-3;
     int repeat = 1;
+    bool reads_ahead = true;
     fs::path csv;
 };
 
@@ -81,7 +82,7 @@ Problem prepare(const BakeOptions& o) {
     for (const Patch& patch : p.geometry->patches.patches) p.reflectance.push_back(patch.reflectance);
     std::uint64_t own = 0;
     for (const BlockInfo& block : p.matrix.strips->blocks()) {
-        p.decoded_bytes += block.pair_count * 6 + (p.geometry->layout.size(block.a) + 1) * std::uint64_t{4};
+        p.decoded_bytes += BlockCache::resident_bytes(block, p.geometry->layout);
         if (block.a == block.b) own += block.read_bytes;
     }
     ClosedMatrix source(*p.matrix.strips, p.matrix.area_m2, p.matrix.closure);
@@ -133,7 +134,7 @@ void measure(const Settings& s, const Problem& p, double albedo, std::ofstream& 
         SolveOptions options;
         options.tolerance = s.error;
         const auto run = [&] {
-            BlockCache cache(source, static_cast<std::uint64_t>(s.cache * static_cast<double>(p.decoded_bytes)));
+            BlockCache cache(source, static_cast<std::uint64_t>(s.cache * static_cast<double>(p.decoded_bytes)), s.reads_ahead);
             return solve(*solver_kind(name), cache, input, options);
         };
         double worst_tightness = 0;
@@ -172,6 +173,7 @@ int main(int argc, char** argv) {
     app.add_option("--cache", s.cache);
     app.add_option("--error", s.error);
     app.add_option("--repeat", s.repeat);
+    app.add_flag("!--no-read-ahead", s.reads_ahead);
     app.add_option("--csv", s.csv);
     app.add_option("--chunk-patches", s.bake.chunk_patches);
     app.add_option("--rays", s.bake.rays);

@@ -64,9 +64,9 @@ TEST(Adjoint, LoweringAChunkKeepsTheCertificateAndTightensIt) {
     const auto weight = [&](PatchNumber i) { return adjoint.weight(i); };
     double excess = quality(matrix, transport, weight).excess;
     for (ChunkNumber chunk : {0u, 1u, 0u, 1u}) {
-        Block diagonal, block;
-        ASSERT_TRUE(transport.load_diagonal(chunk, diagonal));
-        const ChunkSystem system(transport, chunk, &diagonal);
+        const std::shared_ptr<const Block> diagonal = transport.load_diagonal(chunk);
+        ASSERT_TRUE(diagonal);
+        const ChunkSystem system(transport, chunk, diagonal.get());
         std::vector<Lanes> gathered(system.size()), unused(system.size());
         std::vector<Lanes> source(60), nothing(60);
         for (PatchNumber i = 0; i < 60; ++i) {
@@ -75,11 +75,11 @@ TEST(Adjoint, LoweringAChunkKeepsTheCertificateAndTightensIt) {
                 source[i].v[c] = transport.scaled_reflectance(patch)[c] * adjoint.weight(patch)[c];
             source[i].v[3] = 1;
         }
-        transport.load(transport.row(chunk)[0].index, block);
+        const std::shared_ptr<const Block> block = transport.load(transport.row(chunk)[0].index);
         if (chunk == 0)
-            gather_rows(block, source, gathered);
+            gather_rows(*block, source, gathered);
         else
-            scatter_columns(block, source, gathered);
+            scatter_columns(*block, source, gathered);
         EXPECT_TRUE(adjoint.lower(transport, system, gathered));
         const Quality now = quality(matrix, transport, weight);
         EXPECT_GE(now.margin, 1.0);

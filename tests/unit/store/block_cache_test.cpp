@@ -1,5 +1,6 @@
 /// The cache changes how much is read, never what.
 #include "baker/store/block_cache.h"
+#include "formats/base/error.h"
 
 #include <gtest/gtest.h>
 
@@ -79,6 +80,56 @@ TEST(BlockCache, LeastRecentlyUsedGoesFirst) {
     EXPECT_TRUE(reads(2)) << "1 is the oldest now and goes";
     EXPECT_FALSE(reads(0));
     EXPECT_TRUE(reads(1));
+}
+
+TEST(BlockCache, ReadsAheadWhatIsExpected) {
+    MemoryBlocks source = made_blocks(), reference = made_blocks();
+    for (int round = 0; round < 50; ++round) {
+        BlockCache cache(source, 1 << 20, true);
+        const std::uint64_t before = source.bytes_read();
+        const std::vector<std::size_t> some{2, 0, 1};
+        cache.expect(some);
+        // Asked for before, while and after the thread has read them: each is read once, and right.
+        for (const std::size_t index : {1, 2, 0, 2, 1}) {
+            Block direct;
+            reference.load(index, direct);
+            EXPECT_TRUE(same(*cache.share(index), direct));
+        }
+        std::uint64_t bytes = 0;
+        for (const std::size_t index : some) bytes += source.blocks()[index].read_bytes;
+        EXPECT_EQ(source.bytes_read() - before, bytes);
+        cache.expect(some);  // nothing to do; and the cache may go while something is expected
+        if (round % 2) cache.expect(std::vector<std::size_t>{3});
+    }
+}
+
+TEST(BlockCache, ReadsAheadOnlyWhatHalfOfItHolds) {
+    MemoryBlocks source = made_blocks();
+    BlockCache cache(source, 8, true);
+    cache.expect(std::vector<std::size_t>{0, 1, 2});
+    EXPECT_EQ(source.bytes_read(), 0u);
+    EXPECT_GT(cache.share(0)->areas_m2.size(), 0u) << "a cache that holds nothing still gives everything";
+}
+
+TEST(BlockCache, ABlockThatCannotBeReadAheadIsToldToWhoAsks) {
+    class Damaged final : public BlockSource {
+      public:
+        explicit Damaged(BlockSource& source) : source_(source) {}
+        [[nodiscard]] const ChunkLayout& layout() const override { return source_.layout(); }
+        [[nodiscard]] std::span<const double> area_m2() const override { return source_.area_m2(); }
+        [[nodiscard]] std::span<const double> diagonal_m2() const override { return source_.diagonal_m2(); }
+        [[nodiscard]] std::span<const BlockInfo> blocks() const override { return source_.blocks(); }
+        void load(std::size_t, Block&) override { throw Error(ErrorCode::damaged_store, "strip-0.lxs", "checksum mismatch"); }
+        [[nodiscard]] std::uint64_t bytes_read() const override { return 0; }
+
+      private:
+        BlockSource& source_;
+    };
+    MemoryBlocks source = made_blocks();
+    Damaged damaged(source);
+    BlockCache cache(damaged, 1 << 20, true);
+    cache.expect(std::vector<std::size_t>{0});
+    EXPECT_THROW((void)cache.share(0), Error);
 }
 
 TEST(BlockCache, ManyThreads) {
