@@ -204,7 +204,7 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 1u << 20))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
-    command.add_option("--solver", a.solver, "shooting, gathering by strips, the plain series of bounces, or conjugate gradients; same light")
+    command.add_option("--solver", a.solver, "shooting by chunks, conjugate gradients, or as baselines gathering by strips, the series of bounces, shooting by patches; same light")
         ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");

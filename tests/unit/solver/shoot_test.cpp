@@ -280,6 +280,20 @@ TEST(Shoot, WhatIsCachedChangesNothing) {
     EXPECT_LE(test::true_error(matrix, reflectance, emission, plain.radiosity), plain.error_bound);
 }
 
+TEST(Shoot, TheModelSavesReadsWhereLightWanders) {
+    // Eight rooms, one lamp, nearly white: shots alone would have to send the light to and fro some fifty times.
+    const Matrix matrix = random_matrix({.patches = 400, .chunk_patches = 50, .density = 0.8, .rooms = 8, .door = 0.02}, 4);
+    const std::vector<Rgb> reflectance(400, Rgb(0.98f, 0.98f, 0.98f));
+    std::vector<Channels> emission(400, {0, 0, 0});
+    emission[20] = {1, 2, 3};
+    MemoryBlocks blocks = matrix.blocks();
+    const SolveResult result = solve_by_shooting(blocks, {reflectance, emission}, {});
+    EXPECT_TRUE(result.converged);
+    EXPECT_LE(test::true_error(matrix, reflectance, emission, result.radiosity), result.error_bound);
+    EXPECT_LE(result.reads, 8);
+    std::printf("eight rooms at 0.98: bound %.1e after %.1f reads\n", result.error_bound, result.reads);
+}
+
 TEST(Shoot, HistoryEndsWithTheResult) {
     const Matrix matrix = random_matrix({.patches = 200, .chunk_patches = 10, .density = 0.3, .closed = false}, 6);
     const auto reflectance = test::random_reflectance(200, 0.8f, 0.97f, 3);
