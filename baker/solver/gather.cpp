@@ -12,6 +12,9 @@
 namespace luxel {
 namespace {
 
+/// Pairs of a strip that stay decoded between its gathering and its scattering, 12 MB; blocks beyond are read twice.
+constexpr std::uint64_t most_panel_pairs = 2'000'000;
+
 class Jacobi final : public SolverVectors {
   public:
     explicit Jacobi(SolveFrame& frame)
@@ -135,7 +138,8 @@ class Gatherer final : public SolverVectors {
         std::vector<RowBlock> behind;
         for (const RowBlock& block : transport_.row(chunk))
             if (block.is_a) behind.push_back(block);
-        const std::vector<Lanes> gathered = gather_along(chunk, behind);
+        std::vector<std::shared_ptr<const Block>> panel(behind.size());
+        const std::vector<Lanes> gathered = gather_along(chunk, behind, panel);
         const std::shared_ptr<const Block> diagonal = transport_.load_diagonal(chunk);
         const ChunkSystem system(transport_, chunk, diagonal.get());
         std::vector<Lanes> solved = solve_gathered(system, gathered), exchange;
@@ -152,7 +156,7 @@ class Gatherer final : public SolverVectors {
         if (!adjoint_.hold_for(transport_, first, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
         std::copy(solved.begin(), solved.end(), radiosity_.begin() + first);
         parallel_for(behind.size(), 1, [&](std::size_t k) {
-            const std::shared_ptr<const Block> block = transport_.load(behind[k].index);
+            const std::shared_ptr<const Block> block = panel[k] ? panel[k] : transport_.load(behind[k].index);
             scatter_columns(*block, solved, of_chunk(below_, behind[k].other));
         });
     }
@@ -162,8 +166,11 @@ class Gatherer final : public SolverVectors {
     }
 
     /// What the chunk receives from the others: from those before it by their scatter, from those behind it along the
-    /// strip.
-    std::vector<Lanes> gather_along(ChunkNumber chunk, std::span<const RowBlock> behind) {
+    /// strip. `panel`: the blocks of the strip that stay in memory for its scatter.
+    std::vector<Lanes> gather_along(ChunkNumber chunk, std::span<const RowBlock> behind, std::span<std::shared_ptr<const Block>> panel) {
+        std::uint64_t pairs = 0;
+        std::size_t kept = 0;
+        while (kept < behind.size() && (pairs += transport_.blocks()[behind[kept].index].pair_count) <= most_panel_pairs) ++kept;
         const std::span<Lanes> from_before = of_chunk(below_, chunk);
         std::vector<Lanes> gathered(from_before.begin(), from_before.end());
         std::fill(from_before.begin(), from_before.end(), Lanes{});
@@ -174,6 +181,7 @@ class Gatherer final : public SolverVectors {
                 const std::shared_ptr<const Block> block = transport_.load(behind[first + k].index);
                 parts[k].assign(gathered.size(), Lanes{});
                 gather_rows(*block, of_chunk(radiosity_, behind[first + k].other), parts[k]);
+                if (first + k < kept) panel[first + k] = block;
             });
             for (std::size_t k = 0; k < batch; ++k)
                 for (std::size_t i = 0; i < gathered.size(); ++i)
