@@ -217,7 +217,8 @@ bool Adjoint::lower_by(const CoarseSpace& model, const Transport& transport) {
         lowered = true;
         // 1 + T (w / m) is at most w / m, and a certificate too (property 2).
         for (PatchNumber i = 0; i < weights_.size(); ++i)
-            weights_[i][c] = std::min(weights_[i][c], (1 + std::max(received[i][c], 0.0) / margin[c]) * (1 + rounding_reserve));
+            weights_[i][c] =
+                std::min(weights_[i][c], (1 + std::max(received[i][c], 0.0) / margin[c]) * (1 + rounding_reserve));
     }
     return lowered;
 }

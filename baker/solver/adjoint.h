@@ -43,8 +43,8 @@ class Adjoint {
     /// Certifies by reads whatever the reflectances: needs no assumption about row sums.
     void certify_by_reads(Transport& transport, std::span<const std::uint8_t> emits);
 
-    /// Everything as numbers, one more than three per patch, and back from them. Patches that the certificate made transport forget are
-    /// forgotten again.
+    /// Everything as numbers, one more than three per patch, and back from them. Patches that the certificate made
+    /// transport forget are forgotten again.
     [[nodiscard]] std::vector<double> save(const Transport& transport) const;
     static Adjoint restore(Transport& transport, std::span<const double> numbers);
     /// restore() from the first of the vectors of a saved solve, certify() where there is none.
@@ -55,17 +55,17 @@ class Adjoint {
 
     [[nodiscard]] const Channels& weight(PatchNumber patch) const { return weights_[patch]; }
 
-    /// Do the weights hold for these rows? `exchange`: of the patches from `first` on, the sum over all j != i of G_ij in the spare lane.
-    /// False if one is longer than allowed and the weights rely on rows not being so: then certify_by_reads() must follow before
-    /// the weights are used.
+    /// Do the weights hold for these rows? `exchange`: of the patches from `first` on, the sum over all j != i of G_ij
+    /// in the spare lane. False if one is longer than allowed and the weights rely on rows not being so: then
+    /// certify_by_reads() must follow before the weights are used.
     [[nodiscard]] bool hold_for(const Transport& transport, PatchNumber first, std::span<const Lanes> exchange) const;
 
     /// Lowers the weights of one chunk (property 2). `gathered`: sum over the patches j of all other chunks of
     /// G_ij rho'_j w_j per patch of the chunk, with sum G_ij in the spare lane. False as in hold_for().
     [[nodiscard]] bool lower(const Transport& transport, const ChunkSystem& system, std::span<const Lanes> gathered);
 
-    /// Lowers the weights of all patches by the model's solution of w = 1 + T w (properties 2 to 4), without a read; false if that is
-    /// no certificate, as where the model lacks chunks.
+    /// Lowers the weights of all patches by the model's solution of w = 1 + T w (properties 2 to 4), without a read;
+    /// false if that is no certificate, as where the model lacks chunks.
     bool lower_by(const CoarseSpace& model, const Transport& transport);
 
   private:

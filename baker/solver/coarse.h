@@ -20,7 +20,9 @@ class CoarseSystem {
     explicit CoarseSystem(const Transport& transport);
     /// Of block (a, b), a != b: x_a = rho' w of a, y_a = sum over b of G rho' w.
     void set_coupling(std::size_t block_index, std::span<const Lanes> x_a, std::span<const Lanes> y_a);
-    void set_coupling(std::size_t block_index, const Channels& coupling) { coupling_[block_index] = coupling; }  ///< C_ab itself
+    void set_coupling(std::size_t block_index, const Channels& coupling) {
+        coupling_[block_index] = coupling;
+    }  ///< C_ab itself
     /// inside = T_aa w.
     void set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::span<const Lanes> inside);
     /// Multiplies the weights of each chunk by its solution; leaves a channel as it is where there is none that is

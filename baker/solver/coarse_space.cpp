@@ -31,18 +31,21 @@ std::uint64_t CoarseSpace::entries_of(ChunkNumber chunk) const {
     const std::span<const RowBlock> row = transport_.row(chunk);
     for (std::size_t place = 0; place < row.size(); ++place)
         if (of_chunk_[chunk].empty())
-            entries += std::min<std::uint64_t>(transport_.size(row[place].other), transport_.blocks()[row[place].index].pair_count);
+            entries += std::min<std::uint64_t>(transport_.size(row[place].other),
+                                               transport_.blocks()[row[place].index].pair_count);
         else  // the same patches as by its first vector, which is light from everywhere
             entries += vectors_[of_chunk_[chunk][0]].columns[place].rows.size();
     return entries;
 }
 
-std::size_t CoarseSpace::room_for(ChunkNumber chunk, std::size_t begun) const {
-    const std::uint64_t patches = transport_.layout().patch_count(), finished = vectors_.size() - begun;
-    const std::uint64_t usual = finished ? entries_ / finished : entries_of(chunk);
-    const std::uint64_t expected = of_chunk_[chunk].size() > begun ? entries_of(chunk) : usual;
-    if (of_chunk_[chunk].empty() && entries_ + expected > most_entries(patches)) return 0;
-    return std::max<std::size_t>(most_entries(patches) * transport_.size(chunk) / (patches * expected), 1);
+std::size_t CoarseSpace::room_for(ChunkNumber chunk) const {
+    const std::uint64_t patches = transport_.layout().patch_count(), most = most_entries(patches);
+    if (!of_chunk_[chunk].empty())
+        return std::max<std::size_t>(most * transport_.size(chunk) / (patches * entries_of(chunk)), 1);
+    // The first vector: as large as the others are, or as it can be.
+    const std::uint64_t expected = vectors_.empty() ? entries_of(chunk) : entries_ / vectors_.size();
+    if (entries_ + expected > most) return 0;
+    return std::max<std::size_t>(most * transport_.size(chunk) / (patches * expected), 1);
 }
 
 /// P_u^T (A / rho' - G) P_v of two vectors of one chunk.
@@ -53,7 +56,8 @@ Channels CoarseSpace::inside(const Vector& u, const Vector& v) const {
         for (std::size_t c = 0; c < 3; ++c) {
             const PatchNumber patch = first + static_cast<PatchNumber>(i);
             const double reflect = transport_.scaled_reflectance(patch)[c];
-            if (reflect > 0) sum[c] += u.radiosity[i][c] * (transport_.area_m2(patch) / reflect * v.radiosity[i][c] - v.own[i][c]);
+            if (reflect > 0)
+                sum[c] += u.radiosity[i][c] * (transport_.area_m2(patch) / reflect * v.radiosity[i][c] - v.own[i][c]);
         }
     return sum;
 }
@@ -72,7 +76,8 @@ bool CoarseSpace::make_orthonormal(Vector& vector) const {
     const Channels after = inside(vector, vector);
     bool any = false;
     for (std::size_t c = 0; c < 3; ++c) {
-        const bool good = after[c] > 0 && std::isfinite(after[c]) && after[c] > smallest_rest * smallest_rest * before[c];
+        const bool good =
+            after[c] > 0 && std::isfinite(after[c]) && after[c] > smallest_rest * smallest_rest * before[c];
         const double scale = good ? 1 / std::sqrt(after[c]) : 0.0;
         any = any || good;
         for (std::size_t i = 0; i < vector.radiosity.size(); ++i) {
@@ -83,7 +88,8 @@ bool CoarseSpace::make_orthonormal(Vector& vector) const {
     return any;
 }
 
-std::optional<std::size_t> CoarseSpace::add(ChunkNumber chunk, std::span<const Lanes> radiosity, std::span<const Lanes> own) {
+std::optional<std::size_t> CoarseSpace::add(ChunkNumber chunk, std::span<const Lanes> radiosity,
+                                            std::span<const Lanes> own) {
     Vector vector;
     vector.chunk = chunk;
     vector.columns.resize(transport_.row(chunk).size());
@@ -126,7 +132,8 @@ void CoarseSpace::finish(std::size_t number) {
             if (u > number) continue;  // it will see this one
             Channels sum{0, 0, 0};
             for (std::size_t k = 0; k < column.rows.size(); ++k)
-                for (std::size_t c = 0; c < 3; ++c) sum[c] -= vectors_[u].radiosity[column.rows[k]][c] * column.exchange[k][c];
+                for (std::size_t c = 0; c < 3; ++c)
+                    sum[c] -= vectors_[u].radiosity[column.rows[k]][c] * column.exchange[k][c];
             couplings_.push_back({u, number, sum});
         }
     }
@@ -189,13 +196,15 @@ std::vector<Channels> CoarseSpace::deflation(std::span<const Channels> unshot) c
             const Column& column = vector.columns[place];
             const PatchNumber other = transport_.first(transport_.row(vector.chunk)[place].other);
             for (std::size_t k = 0; k < column.rows.size(); ++k)
-                for (std::size_t c = 0; c < 3; ++c) rest[v][c] -= column.exchange[k][c] * unshot[other + column.rows[k]][c];
+                for (std::size_t c = 0; c < 3; ++c)
+                    rest[v][c] -= column.exchange[k][c] * unshot[other + column.rows[k]][c];
         }
     });
     return solve(std::move(rest));
 }
 
-void CoarseSpace::send(std::span<const Channels> levels, std::span<Channels> irradiance, std::span<Channels> unshot) const {
+void CoarseSpace::send(std::span<const Channels> levels, std::span<Channels> irradiance,
+                       std::span<Channels> unshot) const {
     parallel_for(of_chunk_.size(), 1, [&](std::size_t k) {
         const auto chunk = static_cast<ChunkNumber>(k);
         const Exchange sums = exchange(chunk, levels);
@@ -223,7 +232,8 @@ CoarseSpace::Exchange CoarseSpace::exchange(ChunkNumber chunk, std::span<const C
         for (const std::size_t v : of_chunk_[row[place].other]) {
             const Column& column = vectors_[v].columns[place_in_[chunk][place]];
             for (std::size_t k = 0; k < column.rows.size(); ++k)
-                for (std::size_t c = 0; c < 3; ++c) sum.received[column.rows[k]][c] += levels[v][c] * column.exchange[k][c];
+                for (std::size_t c = 0; c < 3; ++c)
+                    sum.received[column.rows[k]][c] += levels[v][c] * column.exchange[k][c];
         }
     return sum;
 }
@@ -257,7 +267,8 @@ void CoarseSpace::restore(std::span<const double> numbers) {
     const auto whole = [&](double limit) {
         const double value = take(1)[0];
         if (!(value >= 0 && value < limit && value == std::floor(value)))
-            throw Error(ErrorCode::internal, "saved solve", "found " + std::to_string(value) + " where a whole number is expected");
+            throw Error(ErrorCode::internal, "saved solve",
+                        "found " + std::to_string(value) + " where a whole number is expected");
         return static_cast<std::uint32_t>(value);
     };
     const auto channels = [&](std::size_t count) {

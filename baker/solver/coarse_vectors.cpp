@@ -42,7 +42,8 @@ std::vector<Lanes> arriving(Transport& transport, ChunkNumber chunk, const RowBl
     const std::shared_ptr<const Block> block = transport.load(from.index);
     std::vector<Lanes> bright(transport.size(from.other)), pattern(transport.size(chunk));
     for (std::size_t i = 0; i < bright.size(); ++i) {
-        const Channels& reflect = transport.scaled_reflectance(transport.first(from.other) + static_cast<PatchNumber>(i));
+        const Channels& reflect =
+            transport.scaled_reflectance(transport.first(from.other) + static_cast<PatchNumber>(i));
         for (std::size_t c = 0; c < 3; ++c) bright[i].v[c] = reflect[c];
     }
     if (from.is_a)
@@ -68,7 +69,8 @@ std::vector<Lanes> even_light(const Transport& transport, const ChunkSystem& sys
     return inside_the_chunk(system, std::move(light));
 }
 
-std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, const ChunkSystem& system, const Block* diagonal) {
+std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, const ChunkSystem& system,
+                                                    const Block* diagonal) {
     if (!diagonal) return {};
     constexpr std::size_t most_parts = 4;
     // Union-find over the pairs.
@@ -87,7 +89,8 @@ std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, 
     for (std::size_t i = 0; i < system.size(); ++i) ++patches_of[root(i)];
     for (std::size_t i = 0; i < system.size(); ++i)
         if (patches_of[i] > 1) roots.push_back(i);
-    std::stable_sort(roots.begin(), roots.end(), [&](std::size_t a, std::size_t b) { return patches_of[a] > patches_of[b]; });
+    std::stable_sort(roots.begin(), roots.end(),
+                     [&](std::size_t a, std::size_t b) { return patches_of[a] > patches_of[b]; });
     if (roots.size() > most_parts) roots.resize(most_parts);
     const std::vector<Lanes> all = even_light(transport, system);
     std::vector<std::vector<Lanes>> parts;

@@ -58,8 +58,15 @@ class Conjugate final : public SolverVectors {
     [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
     [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
     [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), {stepping_ ? 1.0 : 0.0, has_model_ ? 1.0 : 0.0, is_gathered_ ? 1.0 : 0.0, deflates_ ? 1.0 : 0.0, rest_[0], rest_[1], rest_[2]},
-                to_numbers<Lanes>(x_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(r_), to_numbers<Lanes>(p_), coarse_.save()};
+        return {adjoint_.save(transport_),
+                {stepping_ ? 1.0 : 0.0, has_model_ ? 1.0 : 0.0, is_gathered_ ? 1.0 : 0.0, deflates_ ? 1.0 : 0.0,
+                 rest_[0], rest_[1], rest_[2]},
+                to_numbers<Lanes>(x_),
+                to_numbers(irradiance()),
+                to_numbers(unshot()),
+                to_numbers<Lanes>(r_),
+                to_numbers<Lanes>(p_),
+                coarse_.save()};
     }
 
   private:
@@ -115,7 +122,8 @@ class Conjugate final : public SolverVectors {
             coarse_.send(levels, irradiance_, unshot_);
             for (PatchNumber i = 0; i < count_; ++i)
                 for (std::size_t c = 0; c < 3; ++c)
-                    x_[i].v[c] = frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - unshot_[i][c];
+                    x_[i].v[c] =
+                        frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - unshot_[i][c];
         }
         for (PatchNumber i = 0; i < count_; ++i)
             for (std::size_t c = 0; c < 3; ++c) r_[i].v[c] = scale_[i].v[c] > 0 ? unshot_[i][c] / scale_[i].v[c] : 0.0;
@@ -157,7 +165,8 @@ class Conjugate final : public SolverVectors {
                     r_[i].v[c] -= step[c] * q[i].v[c];
                     unshot_[i][c] = scale_[i].v[c] * r_[i].v[c];
                     const double reflects = transport_.scaled_reflectance(i)[c];
-                    if (reflects > 0) irradiance_[i][c] = (x_[i].v[c] + unshot_[i][c] - frame_.emitted(i, c)) / reflects;
+                    if (reflects > 0)
+                        irradiance_[i][c] = (x_[i].v[c] + unshot_[i][c] - frame_.emitted(i, c)) / reflects;
                 }
             const double found = bound();
             const Channels next = dot(r_, r_);

@@ -7,11 +7,12 @@
 /// read. Patches that reflect nothing have s = 0 and drop out; one more read at the end gathers for all patches, and
 /// its bound is that of the result. Source: Hestenes and Stiefel 1952.
 ///
-/// The first read also finds what the even light of every chunk sends (coarse_space.h); from then on the model takes its part of the
-/// residual exactly, and is taken out of every direction (deflation), without a read. Left out where it would take too much memory.
+/// The first read also finds what the even light of every chunk sends (coarse_space.h); from then on the model takes
+/// its part of the residual exactly, and is taken out of every direction (deflation), without a read. Left out where it
+/// would take too much memory.
 ///
-/// One read of the half matrix per step. Memory: 300 bytes per patch, the coarse space, and those of whole_read.h. Threads, determinism
-/// and errors as in shoot.h.
+/// One read of the half matrix per step. Memory: 300 bytes per patch, the coarse space, and those of whole_read.h.
+/// Threads, determinism and errors as in shoot.h.
 #pragma once
 #include "baker/solver/solver.h"
 

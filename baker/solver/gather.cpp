@@ -108,7 +108,8 @@ class Gatherer final : public SolverVectors {
     [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
     [[nodiscard]] std::span<const Channels> unshot() const override { return change_; }
     [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()), to_numbers<Lanes>(radiosity_)};
+        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()),
+                to_numbers<Lanes>(radiosity_)};
     }
 
   private:
@@ -167,10 +168,13 @@ class Gatherer final : public SolverVectors {
 
     /// What the chunk receives from the others: from those before it by their scatter, from those behind it along the
     /// strip. `panel`: the blocks of the strip that stay in memory for its scatter.
-    std::vector<Lanes> gather_along(ChunkNumber chunk, std::span<const RowBlock> behind, std::span<std::shared_ptr<const Block>> panel) {
+    std::vector<Lanes> gather_along(ChunkNumber chunk, std::span<const RowBlock> behind,
+                                    std::span<std::shared_ptr<const Block>> panel) {
         std::uint64_t pairs = 0;
         std::size_t kept = 0;
-        while (kept < behind.size() && (pairs += transport_.blocks()[behind[kept].index].pair_count) <= most_panel_pairs) ++kept;
+        while (kept < behind.size() &&
+               (pairs += transport_.blocks()[behind[kept].index].pair_count) <= most_panel_pairs)
+            ++kept;
         const std::span<Lanes> from_before = of_chunk(below_, chunk);
         std::vector<Lanes> gathered(from_before.begin(), from_before.end());
         std::fill(from_before.begin(), from_before.end(), Lanes{});

@@ -3,8 +3,9 @@
 ///
 /// `jacobi` collects from the radiosities of the sweep before: the plain series of bounces, the baseline. `gather` is
 /// Gauss-Seidel by strips (Cohen and Greenberg, SIGGRAPH 85, solve their full matrix so, row by row): chunk after chunk
-/// gathers along its strip, solves the exchange inside itself, and scatters its new radiosity down the strip, whose blocks
-/// stay in memory meanwhile (up to two million pairs, the rest is asked for again): a sweep is one read of the half matrix.
+/// gathers along its strip, solves the exchange inside itself, and scatters its new radiosity down the strip, whose
+/// blocks stay in memory meanwhile (up to two million pairs, the rest is asked for again): a sweep is one read of the
+/// half matrix.
 ///
 /// Bound. Jacobi is shooting all at once: U = B - B_before. In a sweep of gather a chunk has seen the new radiosity x
 /// of the chunks before it and the old one of those behind. With D the change of x in the sweep and r what the inner

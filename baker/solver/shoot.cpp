@@ -16,18 +16,19 @@ namespace luxel {
 
 namespace {
 
-/// Vectors of the coarse space per chunk: even light, what its neighbours send, and then what it has sent itself, as long as
-/// there are fewer than so many.
+/// Vectors of the coarse space per chunk: even light, what its neighbours send, and then what it has sent itself, as
+/// long as there are fewer than so many.
 constexpr std::size_t most_vectors = 8;
 constexpr std::size_t most_neighbours = 3;
 /// The light of neighbours is worth a second read of the row where it is a small part of the row: in rooms.
 constexpr double small_part = 0.5;
-/// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so many pairs of a row
-/// (each pair is applied some ten times inside the chunk).
+/// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so
+/// many pairs of a row (each pair is applied some ten times inside the chunk).
 constexpr std::uint64_t entries_per_pair = 2;
-/// What the model leaves is of both signs and cancels later, which the bound does not count on. Below this share of the tolerance, of unshot
-/// over all power, the light is right; what is left to do is to bring the bound down, and shots alone do that better as long as what
-/// is left has both signs: less than this share of its weight is the net of its chunk.
+/// What the model leaves is of both signs and cancels later, which the bound does not count on. Below this share of the
+/// tolerance, of unshot over all power, the light is right; what is left to do is to bring the bound down, and shots
+/// alone do that better as long as what is left has both signs: less than this share of its weight is the net of its
+/// chunk.
 constexpr double model_until = 0.5;
 constexpr double one_sided = 0.9;
 
@@ -38,8 +39,11 @@ class Shooter final : public SolverVectors {
     [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
     [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
     [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()),
-                {static_cast<double>(pairs_since_step_), static_cast<double>(lowered_at_bytes_)}, coarse_.save()};
+        return {adjoint_.save(transport_),
+                to_numbers(irradiance()),
+                to_numbers(unshot()),
+                {static_cast<double>(pairs_since_step_), static_cast<double>(lowered_at_bytes_)},
+                coarse_.save()};
     }
 
   private:
@@ -66,11 +70,11 @@ class Shooter final : public SolverVectors {
     std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
     Adjoint adjoint_;
     std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
-    std::vector<ErrorSums> sums_;  ///< per chunk
-    Channels power_{0, 0, 0};             ///< sum A B
+    std::vector<ErrorSums> sums_;                ///< per chunk
+    Channels power_{0, 0, 0};                    ///< sum A B
     CoarseSpace coarse_;
     std::vector<std::vector<Lanes>> new_vectors_;  ///< of the chunk that shoots: their columns are still to be found
-    std::uint64_t pairs_since_step_ = 0;  ///< coarse step
+    std::uint64_t pairs_since_step_ = 0;           ///< coarse step
     std::uint64_t lowered_at_bytes_ = 0;  ///< requested, when the weights of all chunks were last lowered together
 };
 
@@ -224,10 +228,12 @@ void Shooter::shoot(ChunkNumber chunk) {
     receive(chunk, exchange);
     add_vectors(system, sent);
     const std::vector<Lanes> gathered = shoot_to_others(chunk, sent);
-    for (std::size_t k = 0; k < new_vectors_.size(); ++k) coarse_.finish(coarse_.vector_count() - new_vectors_.size() + k);
+    for (std::size_t k = 0; k < new_vectors_.size(); ++k)
+        coarse_.finish(coarse_.vector_count() - new_vectors_.size() + k);
     new_vectors_.clear();
     if (diagonal) pairs_since_step_ += diagonal->columns.size();
-    for (const RowBlock& block : transport_.row(chunk)) pairs_since_step_ += transport_.blocks()[block.index].pair_count;
+    for (const RowBlock& block : transport_.row(chunk))
+        pairs_since_step_ += transport_.blocks()[block.index].pair_count;
     if (adjoint_.lower(transport_, system, gathered)) {
         weigh(chunk);
     } else {
@@ -239,23 +245,25 @@ void Shooter::shoot(ChunkNumber chunk) {
 /// What the chunk adds to the coarse space with this shot.
 void Shooter::add_vectors(const ChunkSystem& system, std::span<const Lanes> sent) {
     const ChunkNumber chunk = system.chunk();
-    const std::size_t room = std::min(most_vectors, coarse_.room_for(chunk, 0));
+    const std::size_t room = std::min(most_vectors, coarse_.room_for(chunk));
     if (sums_.size() == 1 || coarse_.count_of(chunk) >= room) return;
     std::vector<std::vector<Lanes>> light;
     if (coarse_.count_of(chunk) == 0) {
         light.push_back(even_light(transport_, system));
         const auto row_bytes = static_cast<double>(transport_.row_bytes(chunk));
-        const double own_bytes = transport_.has_diagonal(chunk) ? static_cast<double>(transport_.diagonal_bytes(chunk)) : 0.0;
+        const double own_bytes =
+            transport_.has_diagonal(chunk) ? static_cast<double>(transport_.diagonal_bytes(chunk)) : 0.0;
         if (row_bytes - own_bytes <= small_part * row_bytes && room > 1)
-            for (std::vector<Lanes>& of_neighbour : neighbour_light(transport_, system, std::min(most_neighbours, room - 1)))
+            for (std::vector<Lanes>& of_neighbour :
+                 neighbour_light(transport_, system, std::min(most_neighbours, room - 1)))
                 light.push_back(std::move(of_neighbour));
     }
     light.emplace_back(sent.begin(), sent.end());
     for (std::vector<Lanes>& radiosity : light) {
         for (std::size_t i = 0; i < radiosity.size(); ++i)
             for (std::size_t c = 0; c < 3; ++c) {
-                // What is emitted where nothing is reflected is sent once and never again. And where no light has come yet none is guessed: a
-                // chunk may reach into a room that is closed to all light.
+                // What is emitted where nothing is reflected is sent once and never again. And where no light has come
+                // yet none is guessed: a chunk may reach into a room that is closed to all light.
                 const bool is_dark = irradiance_[transport_.first(chunk) + i][c] == 0;
                 if (system.scale()[i].v[c] == 0 || is_dark) radiosity[i].v[c] = 0;
             }
@@ -283,7 +291,9 @@ bool Shooter::wants_model() const {
     for (const ErrorSums& sums : sums_)
         for (std::size_t c = 0; c < 3; ++c) net[c] += std::abs(sums.weighted[c] - 2 * sums.negative[c]);
     for (std::size_t c = 0; c < 3; ++c)
-        if (now.unshot[c] > model_until * frame_.options().tolerance * now.power[c] || net[c] > one_sided * now.weighted[c]) return true;
+        if (now.unshot[c] > model_until * frame_.options().tolerance * now.power[c] ||
+            net[c] > one_sided * now.weighted[c])
+            return true;
     return false;
 }
 

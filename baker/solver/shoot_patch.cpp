@@ -109,7 +109,8 @@ class PatchShooter final : public SolverVectors {
                 send_along_column(*block, row, target.other, sent, row_sum);
             find_brightest(target.other);
         }
-        if (!adjoint_.hold_for(transport_, patch, std::span(&row_sum, 1))) adjoint_.certify_by_reads(transport_, frame_.emits());
+        if (!adjoint_.hold_for(transport_, patch, std::span(&row_sum, 1)))
+            adjoint_.certify_by_reads(transport_, frame_.emits());
         return true;
     }
 
@@ -119,9 +120,11 @@ class PatchShooter final : public SolverVectors {
             receive(transport_.first(to) + block.columns[k], block.areas_m2[k], sent, row_sum);
     }
     /// To the patches of block.a.
-    void send_along_column(const Block& block, PatchNumber column, ChunkNumber to, const Channels& sent, Lanes& row_sum) {
+    void send_along_column(const Block& block, PatchNumber column, ChunkNumber to, const Channels& sent,
+                           Lanes& row_sum) {
         for (std::size_t row = 0; row + 1 < block.row_begin.size(); ++row) {
-            const auto begin = block.columns.begin() + block.row_begin[row], end = block.columns.begin() + block.row_begin[row + 1];
+            const auto begin = block.columns.begin() + block.row_begin[row],
+                       end = block.columns.begin() + block.row_begin[row + 1];
             const auto found = std::lower_bound(begin, end, column);
             if (found == end || *found != column) continue;
             receive(transport_.first(to) + static_cast<PatchNumber>(row),

@@ -11,7 +11,8 @@
 namespace luxel {
 namespace {
 
-constexpr std::array<std::string_view, 5> names{"shoot", "shoot-patch", "gather", "jacobi", "cg"};  // in the order of SolverKind
+constexpr std::array<std::string_view, 5> names{"shoot", "shoot-patch", "gather", "jacobi",
+                                                "cg"};  // in the order of SolverKind
 
 }  // namespace
 

@@ -72,7 +72,8 @@ SolveFrame::SolveFrame(BlockSource& source, const SolveInput& input, const Solve
     for (std::size_t i = 0; i < count; ++i) {
         emits_[i] = input.emission[i][0] > 0 || input.emission[i][1] > 0 || input.emission[i][2] > 0;
         for (std::size_t c = 0; c < 3; ++c)
-            emitted_power_[c] += transport_.area_m2(static_cast<PatchNumber>(i)) * emitted(static_cast<PatchNumber>(i), c);
+            emitted_power_[c] +=
+                transport_.area_m2(static_cast<PatchNumber>(i)) * emitted(static_cast<PatchNumber>(i), c);
         for (std::size_t c = 0; c < 3; ++c)
             reflects = reflects || transport_.scaled_reflectance(static_cast<PatchNumber>(i))[c] > 0;
     }
@@ -102,10 +103,12 @@ class SolveFrame::View final : public SolveView {
     [[nodiscard]] std::uint64_t bytes_read() const override { return frame_.bytes_read(); }
     [[nodiscard]] double error_bound() const override { return error_bound_; }
     [[nodiscard]] std::vector<Channels> irradiance(bool ambient) const override {
-        return frame_.scaled_irradiance(solver_.irradiance(), ambient ? frame_.ambient(solver_.unshot()) : Channels{0, 0, 0});
+        return frame_.scaled_irradiance(solver_.irradiance(),
+                                        ambient ? frame_.ambient(solver_.unshot()) : Channels{0, 0, 0});
     }
     [[nodiscard]] SolveState state() const override {
-        return {frame_.result_.solver, frame_.bytes_read(), frame_.transport_.requested_bytes(), frame_.history_.steps(), solver_.save()};
+        return {frame_.result_.solver, frame_.bytes_read(), frame_.transport_.requested_bytes(),
+                frame_.history_.steps(), solver_.save()};
     }
 
   private:
@@ -114,16 +117,16 @@ class SolveFrame::View final : public SolveView {
     const SolverVectors& solver_;
 };
 
-std::uint64_t SolveFrame::bytes_read() const {
-    return source_.bytes_read() - disk_bytes_before_ + resumed_bytes_;
-}
+std::uint64_t SolveFrame::bytes_read() const { return source_.bytes_read() - disk_bytes_before_ + resumed_bytes_; }
 
 std::optional<std::vector<std::vector<double>>> SolveFrame::resumed(std::span<const std::size_t> sizes) const {
     if (!options_.resume) return std::nullopt;
     SolveState& state = *options_.resume;
     bool fits = state.solver == result_.solver && state.numbers.size() == sizes.size();
-    for (std::size_t k = 0; fits && k < sizes.size(); ++k) fits = sizes[k] == any_size || state.numbers[k].size() == sizes[k];
-    if (!fits) throw Error(ErrorCode::internal, "solve", "the state to go on from is not one of this solver and matrix");
+    for (std::size_t k = 0; fits && k < sizes.size(); ++k)
+        fits = sizes[k] == any_size || state.numbers[k].size() == sizes[k];
+    if (!fits)
+        throw Error(ErrorCode::internal, "solve", "the state to go on from is not one of this solver and matrix");
     return std::exchange(state.numbers, {});
 }
 
@@ -157,7 +160,8 @@ Channels SolveFrame::ambient(std::span<const Channels> unshot) const {
     return level;
 }
 
-std::vector<Channels> SolveFrame::scaled_irradiance(std::span<const Channels> irradiance, const Channels& ambient) const {
+std::vector<Channels> SolveFrame::scaled_irradiance(std::span<const Channels> irradiance,
+                                                    const Channels& ambient) const {
     std::vector<Channels> scaled(irradiance.size());
     for (PatchNumber i = 0; i < scaled.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) {

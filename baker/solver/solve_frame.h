@@ -36,8 +36,8 @@ constexpr std::size_t any_size = static_cast<std::size_t>(-1);
 class SolverVectors {
   public:
     virtual ~SolverVectors() = default;
-    /// What every patch has received from the others (irradiance, without its own part), and its unshot rest: both in the
-    /// solver's scale, one entry per patch.
+    /// What every patch has received from the others (irradiance, without its own part), and its unshot rest: both in
+    /// the solver's scale, one entry per patch.
     [[nodiscard]] virtual std::span<const Channels> irradiance() const = 0;
     [[nodiscard]] virtual std::span<const Channels> unshot() const = 0;
     /// SolveState::numbers.
@@ -65,8 +65,8 @@ class SolveFrame {
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
-    /// The numbers to go on from, which the frame no longer holds then; nothing at the beginning. `sizes`: of the vectors that the solver
-    /// expects. Throws Error{internal} for others.
+    /// The numbers to go on from, which the frame no longer holds then; nothing at the beginning. `sizes`: of the
+    /// vectors that the solver expects. Throws Error{internal} for others.
     [[nodiscard]] std::optional<std::vector<std::vector<double>>> resumed(std::span<const std::size_t> sizes) const;
 
     /// Notes where the solve is, for history, and lets the caller look. True: the caller wants no more.
@@ -82,7 +82,8 @@ class SolveFrame {
     class View;
     [[nodiscard]] std::uint64_t bytes_read() const;
     /// H of all patches in the caller's units; `ambient` is added to it.
-    [[nodiscard]] std::vector<Channels> scaled_irradiance(std::span<const Channels> irradiance, const Channels& ambient) const;
+    [[nodiscard]] std::vector<Channels> scaled_irradiance(std::span<const Channels> irradiance,
+                                                          const Channels& ambient) const;
     [[nodiscard]] Channels ambient(std::span<const Channels> unshot) const;
 
     BlockSource& source_;

@@ -39,8 +39,9 @@ class SolveView {
     virtual ~SolveView() = default;
     [[nodiscard]] virtual std::uint64_t bytes_read() const = 0;
     [[nodiscard]] virtual double error_bound() const = 0;
-    /// H per patch, lm/m2, as SolveResult::irradiance if the solve ended here. `ambient`: with the light that is still on its way spread
-    /// evenly over all surface, as much of it as the mean reflectance lets become: Cohen, Chen, Wallace, Greenberg 1988. A guess, for pictures.
+    /// H per patch, lm/m2, as SolveResult::irradiance if the solve ended here. `ambient`: with the light that is still
+    /// on its way spread evenly over all surface, as much of it as the mean reflectance lets become: Cohen, Chen,
+    /// Wallace, Greenberg 1988. A guess, for pictures.
     [[nodiscard]] virtual std::vector<Channels> irradiance(bool ambient) const = 0;
     /// For SolveOptions::resume. Costs a copy of the solver's vectors.
     [[nodiscard]] virtual SolveState state() const = 0;
@@ -49,11 +50,12 @@ class SolveView {
 struct SolveOptions {
     double tolerance = 1e-3;         ///< stop when error_bound is at most this
     std::uint64_t max_reads = 1000;  ///< whole reads of the half matrix; beyond it the result is returned unconverged
-    /// Called after every step, on the caller's thread. False: stop; what is there is the result, not converged if the bound is not met.
+    /// Called after every step, on the caller's thread. False: stop; what is there is the result, not converged if the
+    /// bound is not met.
     std::function<bool(const SolveView&)> step;
-    /// Go on from here, with the same source, input and options as before: the result is the same, bit for bit, as that of
-    /// a solve that never stopped. State of another solver, or of other sizes, is Error{internal}. Its numbers are gone
-    /// after the call, so that no solve holds them twice.
+    /// Go on from here, with the same source, input and options as before: the result is the same, bit for bit, as that
+    /// of a solve that never stopped. State of another solver, or of other sizes, is Error{internal}. Its numbers are
+    /// gone after the call, so that no solve holds them twice.
     SolveState* resume = nullptr;
 };
 

@@ -46,7 +46,9 @@ class Transport {
     [[nodiscard]] std::span<const BlockInfo> blocks() const { return source_.blocks(); }
     [[nodiscard]] std::span<const RowBlock> row(ChunkNumber chunk) const { return rows_[chunk]; }
     [[nodiscard]] bool has_diagonal(ChunkNumber chunk) const { return diagonal_[chunk] != no_block; }
-    [[nodiscard]] std::uint64_t diagonal_bytes(ChunkNumber chunk) const { return blocks()[diagonal_[chunk]].read_bytes; }
+    [[nodiscard]] std::uint64_t diagonal_bytes(ChunkNumber chunk) const {
+        return blocks()[diagonal_[chunk]].read_bytes;
+    }
     /// Bytes of all blocks of the row, the diagonal block included.
     [[nodiscard]] std::uint64_t row_bytes(ChunkNumber chunk) const { return row_bytes_[chunk]; }
 

@@ -80,7 +80,8 @@ std::vector<std::array<std::size_t, 2>> places_in_rows(const Transport& transpor
     std::vector<std::array<std::size_t, 2>> places(transport.blocks().size());
     for (ChunkNumber chunk = 0; chunk < transport.layout().chunk_count(); ++chunk) {
         const std::span<const RowBlock> row = transport.row(chunk);
-        for (std::size_t place = 0; place < row.size(); ++place) places[row[place].index][row[place].is_a ? 0 : 1] = place;
+        for (std::size_t place = 0; place < row.size(); ++place)
+            places[row[place].index][row[place].is_a ? 0 : 1] = place;
     }
     return places;
 }
@@ -107,7 +108,8 @@ std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const La
     std::vector<std::vector<std::size_t>> vectors(chunk_count);
     for (ChunkNumber chunk = 0; chunk < chunk_count; ++chunk)
         for (std::size_t part = 0; part < light[chunk].size(); ++part)
-            if (const auto vector = space.add(chunk, light[chunk][part], own[chunk][part])) vectors[chunk].push_back(*vector);
+            if (const auto vector = space.add(chunk, light[chunk][part], own[chunk][part]))
+                vectors[chunk].push_back(*vector);
     const auto places = places_in_rows(transport);
     std::vector<std::size_t> indexes;
     for (std::size_t k = 0; k < transport.blocks().size(); ++k)

@@ -20,11 +20,12 @@ using BlockSeen = std::function<void(std::size_t block_index, std::span<const La
 /// depend on the number of threads. Throws what the source's load() throws.
 std::vector<Lanes> exchange_between_chunks(Transport& transport, const ChunkVector& x, const BlockSeen& seen);
 
-/// The same over all blocks, those of one chunk with itself too: sum over all j != i of G_ij x_j. `x`: one entry per patch.
+/// The same over all blocks, those of one chunk with itself too: sum over all j != i of G_ij x_j. `x`: one entry per
+/// patch.
 std::vector<Lanes> exchange_everywhere(Transport& transport, std::span<const Lanes> x);
 
-/// The same; on the way every chunk gives its even light (coarse_vectors.h) to `space`, which is empty before, unless that would be more than
-/// CoarseSpace::most_entries().
+/// The same; on the way every chunk gives its even light (coarse_vectors.h) to `space`, which is empty before, unless
+/// that would be more than CoarseSpace::most_entries().
 std::vector<Lanes> exchange_and_columns(Transport& transport, std::span<const Lanes> x, CoarseSpace& space);
 
 }  // namespace luxel

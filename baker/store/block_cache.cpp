@@ -12,7 +12,8 @@ std::uint64_t BlockCache::resident_bytes(const Block& block) {
 }
 
 std::uint64_t BlockCache::resident_bytes(const BlockInfo& block, const ChunkLayout& layout) {
-    return (layout.size(block.a) + std::uint64_t{1}) * sizeof(std::uint32_t) + block.pair_count * (sizeof(std::uint16_t) + sizeof(float));
+    return (layout.size(block.a) + std::uint64_t{1}) * sizeof(std::uint32_t) +
+           block.pair_count * (sizeof(std::uint16_t) + sizeof(float));
 }
 
 BlockCache::~BlockCache() {
@@ -28,7 +29,8 @@ std::shared_ptr<const Block> BlockCache::share(std::size_t index) {
     {
         std::unique_lock lock(mutex_);
         // Nobody waits for what has not been begun.
-        if (const auto at = std::find(expected_.begin(), expected_.end(), index); at != expected_.end()) expected_.erase(at);
+        if (const auto at = std::find(expected_.begin(), expected_.end(), index); at != expected_.end())
+            expected_.erase(at);
         changed_.wait(lock, [&] { return in_work_ != index; });
         if (const auto at = places_.find(index); at != places_.end()) {
             entries_.splice(entries_.begin(), entries_, at->second);

@@ -1,5 +1,5 @@
-/// Decoded blocks kept in memory up to a limit, least recently used out first, and read ahead. What is cached changes only how
-/// much is read, never a result.
+/// Decoded blocks kept in memory up to a limit, least recently used out first, and read ahead. What is cached changes
+/// only how much is read, never a result.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -16,8 +16,8 @@ namespace luxel {
 
 class BlockCache final : public BlockSource {
   public:
-    /// Keeps a reference to `source`, which must outlive it. `reads_ahead`: blocks that are expected are loaded by a thread of its
-    /// own, as far as half of the limit holds them; `source` must allow load() from such a thread.
+    /// Keeps a reference to `source`, which must outlive it. `reads_ahead`: blocks that are expected are loaded by a
+    /// thread of its own, as far as half of the limit holds them; `source` must allow load() from such a thread.
     BlockCache(BlockSource& source, std::uint64_t limit_bytes, bool reads_ahead = false)
         : source_(source), limit_bytes_(limit_bytes), reads_ahead_(reads_ahead) {}
     ~BlockCache() override;

@@ -1,11 +1,14 @@
-/// What solvers read until the light is right, on the matrix of a scene: bytes read over bytes of the half matrix, true error, bound.
+/// What solvers read until the light is right, on the matrix of a scene: bytes read over bytes of the half matrix, true
+/// error, bound.
 ///
 /// usage: solver_bench SCENE [--albedo R ...] [--solver NAME ...] [--cache SHARE] [--chunk-patches N] [--rays N]
-///                     [--density T] [--patch-texels K] [--error E] [--work DIR] [--csv FILE] [--repeat N] [--no-read-ahead]
-/// Reflectances keep their contrasts and are moved so that their area-weighted mean is --albedo (0: as the scene has them). The true
-/// error is area-weighted, relative L1, of radiosity, the worst channel, against conjugate gradients at a bound of 1e-8. --cache is the share of all decoded
-/// blocks that a cache may hold. Seconds are of the whole solve down to a bound of --error, without looks at it from outside; "decode" is the
-/// time to decode as many bytes with all threads and nothing else, so that decode / seconds says how much of the store's speed a solver uses.
+///                     [--density T] [--patch-texels K] [--error E] [--work DIR] [--csv FILE] [--repeat N]
+///                     [--no-read-ahead]
+/// Reflectances keep their contrasts and are moved so that their area-weighted mean is --albedo (0: as the scene has
+/// them). The true error is area-weighted, relative L1, of radiosity, the worst channel, against conjugate gradients at
+/// a bound of 1e-8. --cache is the share of all decoded blocks that a cache may hold. Seconds are of the whole solve
+/// down to a bound of --error, without looks at it from outside; "decode" is the time to decode as many bytes with all
+/// threads and nothing else, so that decode / seconds says how much of the store's speed a solver uses.
 /// --csv: one line per step: scene, albedo, solver, reads, true error, bound.
 #include <fmt/format.h>
 #include <unistd.h>
@@ -54,7 +57,9 @@ std::vector<Rgb> with_mean(std::vector<Rgb> values, std::span<const double> area
     for (Rgb& value : values)
         for (int c = 0; c < 3; ++c) {
             const double v = std::clamp(static_cast<double>(value[c]), 0.0, 0.999);
-            value[c] = static_cast<float>(mean == 0 ? v : mean < now ? v * mean / now : 1 - (1 - v) * (1 - mean) / (1 - now));
+            value[c] = static_cast<float>(mean == 0    ? v
+                                          : mean < now ? v * mean / now
+                                                       : 1 - (1 - v) * (1 - mean) / (1 - now));
         }
     return values;
 }
@@ -86,10 +91,11 @@ Problem prepare(const BakeOptions& o) {
         if (block.a == block.b) own += block.read_bytes;
     }
     ClosedMatrix source(*p.matrix.strips, p.matrix.area_m2, p.matrix.closure);
-    fmt::print("{}: {} patches, {} chunks of at most {}, {} blocks, {:.2f} M pairs, {:.1f} MB, own blocks {:.0f} % of it\n",
-               o.input.stem().string(), report.patches, report.chunks, o.chunk_patches, report.blocks,
-               static_cast<double>(report.pairs) * 1e-6, static_cast<double>(source.total_bytes()) * 1e-6,
-               100.0 * static_cast<double>(own) / static_cast<double>(source.total_bytes()));
+    fmt::print(
+        "{}: {} patches, {} chunks of at most {}, {} blocks, {:.2f} M pairs, {:.1f} MB, own blocks {:.0f} % of it\n",
+        o.input.stem().string(), report.patches, report.chunks, o.chunk_patches, report.blocks,
+        static_cast<double>(report.pairs) * 1e-6, static_cast<double>(source.total_bytes()) * 1e-6,
+        100.0 * static_cast<double>(own) / static_cast<double>(source.total_bytes()));
     return p;
 }
 
@@ -99,7 +105,8 @@ double error_of(const Problem& p, const std::vector<Rgb>& reflectance, const std
     for (std::size_t c = 0; c < 3; ++c) {
         double off = 0, sum = 0;
         for (std::size_t i = 0; i < exact.size(); ++i) {
-            const double b = p.emission[i][c] + static_cast<double>(reflectance[i][static_cast<int>(c)]) * irradiance[i][c];
+            const double b =
+                p.emission[i][c] + static_cast<double>(reflectance[i][static_cast<int>(c)]) * irradiance[i][c];
             off += p.matrix.area_m2[i] * std::abs(b - exact[i][c]);
             sum += p.matrix.area_m2[i] * exact[i][c];
         }
@@ -134,7 +141,8 @@ void measure(const Settings& s, const Problem& p, double albedo, std::ofstream& 
         SolveOptions options;
         options.tolerance = s.error;
         const auto run = [&] {
-            BlockCache cache(source, static_cast<std::uint64_t>(s.cache * static_cast<double>(p.decoded_bytes)), s.reads_ahead);
+            BlockCache cache(source, static_cast<std::uint64_t>(s.cache * static_cast<double>(p.decoded_bytes)),
+                             s.reads_ahead);
             return solve(*solver_kind(name), cache, input, options);
         };
         double worst_tightness = 0;
@@ -142,7 +150,9 @@ void measure(const Settings& s, const Problem& p, double albedo, std::ofstream& 
             const double now = error_of(p, reflectance, view.irradiance(false), exact.radiosity);
             const double at = static_cast<double>(view.bytes_read()) / static_cast<double>(source.total_bytes());
             ++steps;
-            if (csv) csv << fmt::format("{},{},{},{:.6f},{:.6e},{:.6e}\n", s.bake.input.stem().string(), albedo, name, at, now, view.error_bound());
+            if (csv)
+                csv << fmt::format("{},{},{},{:.6f},{:.6e},{:.6e}\n", s.bake.input.stem().string(), albedo, name, at,
+                                   now, view.error_bound());
             if (reads < 0 && now <= s.error) reads = at, bound = view.error_bound(), error = now;
             return true;
         };
@@ -153,10 +163,12 @@ void measure(const Settings& s, const Problem& p, double albedo, std::ofstream& 
         double seconds = 1e30;
         for (int k = 0; k < s.repeat; ++k) seconds = std::min(seconds, seconds_of(run));
         const double decode = decode_seconds(p, result.reads * static_cast<double>(source.total_bytes()));
-        fmt::print("  albedo {:.2f} {:<11} error {:.0e} after {:.2f} reads (bound there {:.1e}, {:.1f} times); bound met after {:.2f} reads, "
-                   "{} steps: {:.1e} is {:.1f} times {:.1e}; {:.2f} s, decode / all {:.2f}{}\n",
-                   albedo, name, s.error, reads, bound, bound / error, result.reads, steps, result.error_bound, worst_tightness, last,
-                   seconds, decode / seconds, result.converged ? "" : ", NOT CONVERGED");
+        fmt::print(
+            "  albedo {:.2f} {:<11} error {:.0e} after {:.2f} reads (bound there {:.1e}, {:.1f} times); bound met "
+            "after {:.2f} reads, "
+            "{} steps: {:.1e} is {:.1f} times {:.1e}; {:.2f} s, decode / all {:.2f}{}\n",
+            albedo, name, s.error, reads, bound, bound / error, result.reads, steps, result.error_bound,
+            worst_tightness, last, seconds, decode / seconds, result.converged ? "" : ", NOT CONVERGED");
     }
 }
 
@@ -189,8 +201,10 @@ int main(int argc, char** argv) {
     try {
         const Problem problem = prepare(s.bake);
         std::ofstream csv;
-        if (!s.csv.empty()) csv.open(s.csv);
-        else csv.setstate(std::ios::failbit);
+        if (!s.csv.empty())
+            csv.open(s.csv);
+        else
+            csv.setstate(std::ios::failbit);
         for (const double albedo : s.albedos) measure(s, problem, albedo, csv);
     } catch (const Error& error) {
         fmt::print(stderr, "solver_bench: {}\n", error.what());

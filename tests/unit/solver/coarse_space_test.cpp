@@ -19,7 +19,8 @@ using test::random_matrix;
 
 class CoarseSpaceTest : public testing::Test {
   protected:
-    const Matrix matrix_ = random_matrix({.patches = 150, .chunk_patches = 40, .density = 0.4, .rooms = 3, .door = 0.1}, 11);
+    const Matrix matrix_ =
+        random_matrix({.patches = 150, .chunk_patches = 40, .density = 0.4, .rooms = 3, .door = 0.1}, 11);
     const std::vector<Rgb> reflectance_ = test::random_reflectance(150, 0.0f, 0.9f, 3);
     MemoryBlocks blocks_ = matrix_.blocks();
     Transport transport_{blocks_, reflectance_, {true, true, true}};
@@ -62,7 +63,8 @@ TEST_F(CoarseSpaceTest, WhatIsSentArrivesAsTheMatrixSays) {
         for (PatchNumber i = 0; i < 150; ++i) {
             const double arrived = expected(i) / matrix_.area_m2[i];
             EXPECT_NEAR(irradiance[i][c], arrived, 1e-12 * (1 + std::abs(arrived)));
-            EXPECT_NEAR(unshot[i][c], transport_.scaled_reflectance(i)[c] * arrived - sent[i][c], 1e-12 * (1 + std::abs(sent[i][c])));
+            EXPECT_NEAR(unshot[i][c], transport_.scaled_reflectance(i)[c] * arrived - sent[i][c],
+                        1e-12 * (1 + std::abs(sent[i][c])));
         }
     }
 }
