@@ -23,7 +23,8 @@ constexpr std::size_t most_neighbours = 3;
 /// The light of neighbours is worth a second read of the row where it is a small part of the row: in rooms.
 constexpr double small_part = 0.5;
 /// A coarse step may take as much time as shots have taken since the last one: one of its entries costs as much as so
-/// many pairs of a row (each pair is applied some ten times inside the chunk).
+/// many pairs of a row (each pair is applied some ten times inside the chunk), and a patch as much as so many entries.
+constexpr std::uint64_t entries_per_patch = 4;
 constexpr std::uint64_t entries_per_pair = 2;
 /// What the model leaves is of both signs and cancels later, which the bound does not count on. Below this share of the
 /// tolerance, of unshot over all power, the light is right; what is left to do is to bring the bound down, and shots
@@ -285,7 +286,8 @@ void Shooter::coarse_step() {
 }
 
 bool Shooter::wants_model() const {
-    if (coarse_.vector_count() == 0 || coarse_.entries() > entries_per_pair * pairs_since_step_) return false;
+    const std::uint64_t work = coarse_.entries() + entries_per_patch * unshot_.size();
+    if (coarse_.vector_count() == 0 || work > entries_per_pair * pairs_since_step_) return false;
     const ErrorSums now = total();
     Channels net{0, 0, 0};
     for (const ErrorSums& sums : sums_)
