@@ -143,8 +143,10 @@ void Adjoint::certify_by_reads(Transport& transport, std::span<const std::uint8_
 std::vector<double> Adjoint::save(const Transport& transport) const {
     std::vector<double> numbers{assumes_row_sums_ ? 1.0 : 0.0};
     numbers.reserve(1 + 3 * weights_.size());
-    for (PatchNumber i = 0; i < weights_.size(); ++i)  // weights are at least 1: 0 is free to say "forgotten"
-        for (std::size_t c = 0; c < 3; ++c) numbers.push_back(transport.is_forgotten(i) ? 0.0 : weights_[i][c]);
+    for (const Channels& weight : weights_) numbers.insert(numbers.end(), weight.begin(), weight.end());
+    // Weights are at least 1: 0 is free to say "forgotten".
+    for (const PatchNumber patch : transport.forgotten())
+        for (std::size_t c = 0; c < 3; ++c) numbers[1 + 3 * std::size_t{patch} + c] = 0;
     return numbers;
 }
 

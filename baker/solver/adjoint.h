@@ -47,12 +47,6 @@ class Adjoint {
     /// transport forget are forgotten again.
     [[nodiscard]] std::vector<double> save(const Transport& transport) const;
     static Adjoint restore(Transport& transport, std::span<const double> numbers);
-    /// restore() from the first of the vectors of a saved solve, certify() where there is none.
-    static Adjoint begin(Transport& transport, std::span<const std::uint8_t> emits,
-                         const std::optional<std::vector<std::vector<double>>>& saved) {
-        return saved ? restore(transport, saved->front()) : certify(transport, emits);
-    }
-
     [[nodiscard]] const Channels& weight(PatchNumber patch) const { return weights_[patch]; }
 
     /// Do the weights hold for these rows? `exchange`: of the patches from `first` on, the sum over all j != i of G_ij

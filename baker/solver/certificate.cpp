@@ -8,7 +8,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/solver/adjoint.h"
-#include "baker/solver/coarse.h"
+#include "baker/solver/coarse_weights.h"
 #include "baker/solver/whole_read.h"
 #include "formats/base/error.h"
 
@@ -48,7 +48,7 @@ class Certifier {
     };
 
     std::vector<Lanes> source(ChunkNumber chunk) const;
-    ChunkFinding inspect(ChunkNumber chunk, bool solves_rows, CoarseSystem& coarse);
+    ChunkFinding inspect(ChunkNumber chunk, bool solves_rows, CoarseWeights& coarse);
     void spread_light(ChunkNumber chunk, const ChunkSystem& system, ChunkFinding& finding);
     void forget_unlit();
     bool keep_certificate(const Channels& margin);
@@ -92,7 +92,7 @@ void Certifier::spread_light(ChunkNumber chunk, const ChunkSystem& system, Chunk
     }
 }
 
-Certifier::ChunkFinding Certifier::inspect(ChunkNumber chunk, bool solves_rows, CoarseSystem& coarse) {
+Certifier::ChunkFinding Certifier::inspect(ChunkNumber chunk, bool solves_rows, CoarseWeights& coarse) {
     ChunkFinding finding;
     const PatchNumber first = transport_.first(chunk);
     const std::size_t count = transport_.size(chunk);
@@ -150,7 +150,7 @@ bool Certifier::keep_certificate(const Channels& margin) {
 std::optional<std::vector<Channels>> Certifier::run() {
     const ChunkNumber chunk_count = transport_.layout().chunk_count();
     for (std::uint32_t read = 0; read < max_certificate_reads; ++read) {
-        CoarseSystem coarse(transport_);
+        CoarseWeights coarse(transport_);
         gathered_ = exchange_between_chunks(
             transport_, [this](ChunkNumber chunk) { return source(chunk); },
             [&](std::size_t block, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {

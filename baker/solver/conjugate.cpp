@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "baker/core/parallel.h"
-#include "baker/solver/adjoint.h"
+#include "baker/solver/certified_solver.h"
 #include "baker/solver/coarse_space.h"
-#include "baker/solver/solve_frame.h"
 #include "baker/solver/whole_read.h"
 
 namespace luxel {
@@ -15,29 +14,28 @@ namespace {
 /// The last read may show that rounding has let the residual drift: the steps aim a little lower than asked.
 constexpr double aim = 0.9;
 
-class Conjugate final : public SolverVectors {
+class Conjugate final : public CertifiedSolver {
   public:
     explicit Conjugate(SolveFrame& frame)
-        : frame_(frame),
-          transport_(frame.transport()),
-          saved_(frame.resumed(sizes())),
-          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
-          count_(transport_.layout().patch_count()),
+        : CertifiedSolver(frame,
+                          {7, 4 * frame.patch_count(), 4 * frame.patch_count(), 4 * frame.patch_count(), any_size}),
+          count_(frame.patch_count()),
           scale_(count_),
           x_(count_),
-          irradiance_(count_, {0, 0, 0}),
-          unshot_(irradiance_),
           r_(count_),
           p_(count_),
           coarse_(transport_) {
-        for (PatchNumber i = 0; i < count_; ++i) {
-            for (std::size_t c = 0; c < 3; ++c) {
+        for (PatchNumber i = 0; i < count_; ++i)
+            for (std::size_t c = 0; c < 3; ++c)
                 scale_[i].v[c] = std::sqrt(transport_.scaled_reflectance(i)[c] / transport_.area_m2(i));
-                x_[i].v[c] = unshot_[i][c] = frame.emitted(i, c);
-            }
+        if (const auto own = take_own_numbers()) {
+            go_on(*own);
+            return;
+        }
+        for (PatchNumber i = 0; i < count_; ++i) {
+            for (std::size_t c = 0; c < 3; ++c) x_[i].v[c] = unshot_[i][c] = frame.emitted(i, c);
             x_[i].v[3] = 1;
         }
-        if (saved_) restore();
     }
 
     SolveResult run() {
@@ -55,38 +53,25 @@ class Conjugate final : public SolverVectors {
         return frame_.finish(*this);
     }
 
-    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
-    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
-    [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_),
-                {stepping_ ? 1.0 : 0.0, has_model_ ? 1.0 : 0.0, is_gathered_ ? 1.0 : 0.0, deflates_ ? 1.0 : 0.0,
+  private:
+    [[nodiscard]] std::vector<std::vector<double>> own_numbers() const override {
+        return {{stepping_ ? 1.0 : 0.0, has_model_ ? 1.0 : 0.0, is_gathered_ ? 1.0 : 0.0, deflates_ ? 1.0 : 0.0,
                  rest_[0], rest_[1], rest_[2]},
-                to_numbers<Lanes>(x_),
-                to_numbers(irradiance()),
-                to_numbers(unshot()),
-                to_numbers<Lanes>(r_),
-                to_numbers<Lanes>(p_),
+                to_numbers(x_),
+                to_numbers(r_),
+                to_numbers(p_),
                 coarse_.save()};
     }
-
-  private:
-    [[nodiscard]] std::array<std::size_t, 8> sizes() const {
-        const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 7, 4 * count, 3 * count, 3 * count, 4 * count, 4 * count, any_size};
-    }
-    void restore() {
-        stepping_ = (*saved_)[1][0] > 0;
-        has_model_ = (*saved_)[1][1] > 0;
-        is_gathered_ = (*saved_)[1][2] > 0;
-        deflates_ = (*saved_)[1][3] > 0;
-        std::copy_n((*saved_)[1].begin() + 4, 3, rest_.begin());
-        from_numbers((*saved_)[2], x_);
-        from_numbers((*saved_)[3], irradiance_);
-        from_numbers((*saved_)[4], unshot_);
-        from_numbers((*saved_)[5], r_);
-        from_numbers((*saved_)[6], p_);
-        coarse_.restore((*saved_)[7]);
-        saved_.reset();
+    void go_on(const std::vector<std::vector<double>>& own) {
+        stepping_ = own[0][0] > 0;
+        has_model_ = own[0][1] > 0;
+        is_gathered_ = own[0][2] > 0;
+        deflates_ = own[0][3] > 0;
+        std::copy_n(own[0].begin() + 4, 3, rest_.begin());
+        from_numbers(own[1], x_);
+        from_numbers(own[2], r_);
+        from_numbers(own[3], p_);
+        coarse_.restore(own[4]);
     }
 
     /// B from one read of x, and what x lacks: U = B - x.
@@ -198,13 +183,8 @@ class Conjugate final : public SolverVectors {
         return sum;
     }
 
-    SolveFrame& frame_;
-    Transport& transport_;
-    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
-    Adjoint adjoint_;
     const std::size_t count_;
     std::vector<Lanes> scale_, x_;  ///< s; the radiosity that is being improved, 1 in the spare lane
-    std::vector<Channels> irradiance_, unshot_;
     // Of the steps: residual and direction in the symmetric form, the residual's square.
     bool stepping_ = false;
     std::vector<Lanes> r_, p_;

@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "baker/core/parallel.h"
-#include "baker/solver/adjoint.h"
+#include "baker/solver/certified_solver.h"
 #include "baker/solver/inner_solve.h"
-#include "baker/solver/solve_frame.h"
 #include "baker/solver/whole_read.h"
 
 namespace luxel {
@@ -15,20 +14,10 @@ namespace {
 /// Pairs of a strip that stay decoded between its gathering and its scattering, 12 MB; blocks beyond are read twice.
 constexpr std::uint64_t most_panel_pairs = 2'000'000;
 
-class Jacobi final : public SolverVectors {
+class Jacobi final : public CertifiedSolver {
   public:
-    explicit Jacobi(SolveFrame& frame)
-        : frame_(frame),
-          transport_(frame.transport()),
-          saved_(frame.resumed(sizes())),
-          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
-          sent_(transport_.layout().patch_count()),
-          irradiance_(sent_.size(), {0, 0, 0}),
-          unshot_(irradiance_) {
-        if (!saved_) return;
-        from_numbers((*saved_)[1], irradiance_);
-        from_numbers((*saved_)[2], sent_);
-        saved_.reset();
+    explicit Jacobi(SolveFrame& frame) : CertifiedSolver(frame, {4 * frame.patch_count()}), sent_(frame.patch_count()) {
+        if (const auto own = take_own_numbers()) from_numbers((*own)[0], sent_);
     }
 
     SolveResult run() {
@@ -36,17 +25,8 @@ class Jacobi final : public SolverVectors {
         return frame_.finish(*this);
     }
 
-    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
-    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
-    [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers<Lanes>(sent_)};
-    }
-
   private:
-    [[nodiscard]] std::array<std::size_t, 3> sizes() const {
-        const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 3 * count, 4 * count};
-    }
+    [[nodiscard]] std::vector<std::vector<double>> own_numbers() const override { return {to_numbers(sent_)}; }
     [[nodiscard]] double radiosity(PatchNumber i, std::size_t c) const {
         return frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c];
     }
@@ -68,35 +48,24 @@ class Jacobi final : public SolverVectors {
             for (std::size_t c = 0; c < 3; ++c) irradiance_[i][c] = exchange[i].v[c] / transport_.area_m2(i);
     }
 
-    SolveFrame& frame_;
-    Transport& transport_;
-    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
-    Adjoint adjoint_;
-    std::vector<Lanes> sent_;
-    std::vector<Channels> irradiance_, unshot_;
+    std::vector<Lanes> sent_;  ///< of the last sweep; 1 in the spare lane, which yields row sums
 };
 
-class Gatherer final : public SolverVectors {
+class Gatherer final : public CertifiedSolver {
   public:
     explicit Gatherer(SolveFrame& frame)
-        : frame_(frame),
-          transport_(frame.transport()),
-          saved_(frame.resumed(sizes())),
-          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
-          radiosity_(transport_.layout().patch_count()),
-          below_(radiosity_.size()),
-          irradiance_(radiosity_.size(), {0, 0, 0}),
-          change_(irradiance_) {
+        : CertifiedSolver(frame, {4 * frame.patch_count()}),
+          radiosity_(frame.patch_count()),
+          below_(frame.patch_count()) {
+        if (const auto own = take_own_numbers()) {
+            from_numbers((*own)[0], radiosity_);
+            return;
+        }
         // Before the first sweep nobody has received anything.
         for (PatchNumber i = 0; i < radiosity_.size(); ++i) {
-            for (std::size_t c = 0; c < 3; ++c) radiosity_[i].v[c] = change_[i][c] = frame.emitted(i, c);
+            for (std::size_t c = 0; c < 3; ++c) radiosity_[i].v[c] = unshot_[i][c] = frame.emitted(i, c);
             radiosity_[i].v[3] = 1;
         }
-        if (!saved_) return;
-        from_numbers((*saved_)[1], irradiance_);
-        from_numbers((*saved_)[2], change_);
-        from_numbers((*saved_)[3], radiosity_);
-        saved_.reset();
     }
 
     SolveResult run() {
@@ -105,18 +74,9 @@ class Gatherer final : public SolverVectors {
         return frame_.finish(*this);
     }
 
-    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
-    [[nodiscard]] std::span<const Channels> unshot() const override { return change_; }
-    [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot()),
-                to_numbers<Lanes>(radiosity_)};
-    }
-
   private:
-    [[nodiscard]] std::array<std::size_t, 4> sizes() const {
-        const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 3 * count, 3 * count, 4 * count};
-    }
+    [[nodiscard]] std::vector<std::vector<double>> own_numbers() const override { return {to_numbers(radiosity_)}; }
+    /// Unshot is what has changed in the sweep.
     double error_bound() {
         ErrorSums sums;
         for (PatchNumber i = 0; i < radiosity_.size(); ++i)
@@ -124,7 +84,7 @@ class Gatherer final : public SolverVectors {
                 const double weight = transport_.area_m2(i) * adjoint_.weight(i)[c];
                 const double rest =
                     frame_.emitted(i, c) + transport_.scaled_reflectance(i)[c] * irradiance_[i][c] - radiosity_[i].v[c];
-                sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], change_[i][c], radiosity_[i].v[c]);
+                sums.add(c, transport_.area_m2(i), adjoint_.weight(i)[c], unshot_[i][c], radiosity_[i].v[c]);
                 // The rest may be of either sign beside the change.
                 sums.weighted[c] += weight * std::abs(rest);
                 sums.negative[c] += weight * std::abs(rest);
@@ -151,7 +111,7 @@ class Gatherer final : public SolverVectors {
             for (std::size_t c = 0; c < 4; ++c) exchange[i].v[c] += gathered[i].v[c];
             for (std::size_t c = 0; c < 3; ++c) {
                 irradiance_[patch][c] = exchange[i].v[c] / transport_.area_m2(patch);
-                change_[patch][c] = solved[i].v[c] - radiosity_[patch].v[c];
+                unshot_[patch][c] = solved[i].v[c] - radiosity_[patch].v[c];
             }
         }
         if (!adjoint_.hold_for(transport_, first, exchange)) adjoint_.certify_by_reads(transport_, frame_.emits());
@@ -210,13 +170,8 @@ class Gatherer final : public SolverVectors {
             {unnoticed_rest(frame_.options().tolerance, power_, transport_.layout().chunk_count()), inner_share});
     }
 
-    SolveFrame& frame_;
-    Transport& transport_;
-    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
-    Adjoint adjoint_;
     std::vector<Lanes> radiosity_;  ///< x; 1 in the spare lane, which yields row sums
     std::vector<Lanes> below_;      ///< sum of G_ij x_j over the chunks before, of this sweep
-    std::vector<Channels> irradiance_, change_;
     Channels power_{0, 0, 0};
 };
 

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "baker/core/parallel.h"
-#include "baker/solver/adjoint.h"
+#include "baker/solver/certified_solver.h"
 #include "baker/solver/chunk_system.h"
 #include "baker/solver/coarse_space.h"
 #include "baker/solver/coarse_vectors.h"
 #include "baker/solver/inner_solve.h"
-#include "baker/solver/solve_frame.h"
 #include "baker/solver/transport.h"
 
 namespace luxel {
@@ -33,24 +32,14 @@ constexpr std::uint64_t entries_per_pair = 2;
 constexpr double model_until = 0.5;
 constexpr double one_sided = 0.9;
 
-class Shooter final : public SolverVectors {
+class Shooter final : public CertifiedSolver {
   public:
     explicit Shooter(SolveFrame& frame);
     SolveResult run();
-    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
-    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
-    [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_),
-                to_numbers(irradiance()),
-                to_numbers(unshot()),
-                {static_cast<double>(pairs_since_step_), static_cast<double>(lowered_at_bytes_)},
-                coarse_.save()};
-    }
 
   private:
-    [[nodiscard]] std::array<std::size_t, 5> sizes() const {
-        const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 3 * count, 3 * count, 2, any_size};
+    [[nodiscard]] std::vector<std::vector<double>> own_numbers() const override {
+        return {{static_cast<double>(pairs_since_step_), static_cast<double>(lowered_at_bytes_)}, coarse_.save()};
     }
     [[nodiscard]] ErrorSums total() const;
     [[nodiscard]] double error_bound();
@@ -66,41 +55,22 @@ class Shooter final : public SolverVectors {
     void weigh(ChunkNumber chunk);
     void weigh_all();
 
-    SolveFrame& frame_;
-    Transport& transport_;
-    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
-    Adjoint adjoint_;
-    std::vector<Channels> unshot_, irradiance_;  ///< U; H without the patch's own part
-    std::vector<ErrorSums> sums_;                ///< per chunk
-    Channels power_{0, 0, 0};                    ///< sum A B
+    std::vector<ErrorSums> sums_;  ///< per chunk
+    Channels power_{0, 0, 0};      ///< sum A B, or what is emitted if that is more
     CoarseSpace coarse_;
     std::vector<std::vector<Lanes>> new_vectors_;  ///< of the chunk that shoots: their columns are still to be found
-    std::uint64_t pairs_since_step_ = 0;           ///< coarse step
+    std::uint64_t pairs_since_step_ = 0;           ///< of the rows shot since the last coarse step
     std::uint64_t lowered_at_bytes_ = 0;  ///< requested, when the weights of all chunks were last lowered together
 };
 
 Shooter::Shooter(SolveFrame& frame)
-    : frame_(frame),
-      transport_(frame.transport()),
-      saved_(frame.resumed(sizes())),
-      adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
-      unshot_(transport_.layout().patch_count(), {0, 0, 0}),
-      irradiance_(unshot_.size(), {0, 0, 0}),
-      sums_(transport_.layout().chunk_count()),
-      coarse_(transport_) {
-    for (ChunkNumber chunk = 0; chunk < sums_.size(); ++chunk) {
-        // A chunk that sees nothing has nothing to send to.
-        if (transport_.row_bytes(chunk) == 0) continue;
-        for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
-            for (std::size_t c = 0; c < 3; ++c) unshot_[i][c] = frame_.emitted(i, c);
-    }
-    if (saved_) {
-        from_numbers((*saved_)[1], irradiance_);
-        from_numbers((*saved_)[2], unshot_);
-        pairs_since_step_ = static_cast<std::uint64_t>((*saved_)[3][0]);
-        lowered_at_bytes_ = static_cast<std::uint64_t>((*saved_)[3][1]);
-        coarse_.restore((*saved_)[4]);
-        saved_.reset();
+    : CertifiedSolver(frame, {2, any_size}), sums_(transport_.layout().chunk_count()), coarse_(transport_) {
+    if (const auto own = take_own_numbers()) {
+        pairs_since_step_ = static_cast<std::uint64_t>((*own)[0][0]);
+        lowered_at_bytes_ = static_cast<std::uint64_t>((*own)[0][1]);
+        coarse_.restore((*own)[1]);
+    } else {
+        begin_with_emission();
     }
     weigh_all();
 }
@@ -127,7 +97,8 @@ ErrorSums Shooter::total() const {
 
 double Shooter::error_bound() {
     const ErrorSums all = total();
-    power_ = all.power;
+    // What was sent too much may make the sum small or negative for a while.
+    for (std::size_t c = 0; c < 3; ++c) power_[c] = std::max(all.power[c], frame_.emitted_power()[c]);
     return all.bound(frame_.emitted_power());
 }
 

@@ -1,12 +1,9 @@
 #include "baker/solver/shoot_patch.h"
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <utility>
 
-#include "baker/solver/adjoint.h"
-#include "baker/solver/solve_frame.h"
+#include "baker/solver/certified_solver.h"
 
 namespace luxel {
 namespace {
@@ -14,27 +11,11 @@ namespace {
 /// Shots between two looks at the bound, as a share of all patches: a look costs as much as some shots.
 constexpr double look_share = 0.01;
 
-class PatchShooter final : public SolverVectors {
+class PatchShooter final : public CertifiedSolver {
   public:
     explicit PatchShooter(SolveFrame& frame)
-        : frame_(frame),
-          transport_(frame.transport()),
-          saved_(frame.resumed(sizes())),
-          adjoint_(Adjoint::begin(transport_, frame.emits(), saved_)),
-          unshot_(transport_.layout().patch_count(), {0, 0, 0}),
-          irradiance_(unshot_),
-          brightest_(transport_.layout().chunk_count()) {
-        for (ChunkNumber chunk = 0; chunk < brightest_.size(); ++chunk) {
-            // A chunk that sees nothing has nothing to send to.
-            if (transport_.row_bytes(chunk) == 0) continue;
-            for (PatchNumber i = transport_.first(chunk); i < transport_.layout().first_patch[chunk + 1]; ++i)
-                for (std::size_t c = 0; c < 3; ++c) unshot_[i][c] = frame.emitted(i, c);
-        }
-        if (saved_) {
-            from_numbers((*saved_)[1], irradiance_);
-            from_numbers((*saved_)[2], unshot_);
-            saved_.reset();
-        }
+        : CertifiedSolver(frame, {}), brightest_(transport_.layout().chunk_count()) {
+        if (!take_own_numbers()) begin_with_emission();
         for (ChunkNumber chunk = 0; chunk < brightest_.size(); ++chunk) find_brightest(chunk);
     }
 
@@ -47,22 +28,13 @@ class PatchShooter final : public SolverVectors {
         return frame_.finish(*this);
     }
 
-    [[nodiscard]] std::span<const Channels> irradiance() const override { return irradiance_; }
-    [[nodiscard]] std::span<const Channels> unshot() const override { return unshot_; }
-    [[nodiscard]] std::vector<std::vector<double>> save() const override {
-        return {adjoint_.save(transport_), to_numbers(irradiance()), to_numbers(unshot())};
-    }
-
   private:
+    [[nodiscard]] std::vector<std::vector<double>> own_numbers() const override { return {}; }
+
     struct Brightest {
         PatchNumber patch = 0;
         double power = 0;  ///< A U over what is emitted, the largest channel
     };
-
-    [[nodiscard]] std::array<std::size_t, 3> sizes() const {
-        const std::size_t count = transport_.layout().patch_count();
-        return {1 + 3 * count, 3 * count, 3 * count};
-    }
 
     double error_bound() const {
         ErrorSums sums;
@@ -141,11 +113,6 @@ class PatchShooter final : public SolverVectors {
         }
     }
 
-    SolveFrame& frame_;
-    Transport& transport_;
-    std::optional<std::vector<std::vector<double>>> saved_;  ///< only while it begins
-    Adjoint adjoint_;
-    std::vector<Channels> unshot_, irradiance_;
     std::vector<Brightest> brightest_;  ///< per chunk
 };
 

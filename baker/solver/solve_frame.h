@@ -4,7 +4,6 @@
 /// Each channel is divided by a power of two near its largest emission and multiplied back, which changes no bit of the
 /// mantissas. Ownership: keeps references to source, input and options. Threads: one at a time.
 #pragma once
-#include <cstring>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,22 +14,6 @@
 #include "baker/solver/transport.h"
 
 namespace luxel {
-
-/// Vectors over patches as plain numbers, three or four per patch, and back.
-template <class PerPatch>
-std::vector<double> to_numbers(std::span<const PerPatch> values) {
-    std::vector<double> numbers(values.size() * (sizeof(PerPatch) / sizeof(double)));
-    std::memcpy(numbers.data(), values.data(), values.size_bytes());
-    return numbers;
-}
-template <class PerPatch>
-void from_numbers(std::span<const double> numbers, std::vector<PerPatch>& values) {
-    values.resize(numbers.size() / (sizeof(PerPatch) / sizeof(double)));
-    std::memcpy(static_cast<void*>(values.data()), numbers.data(), numbers.size_bytes());
-}
-
-/// A vector of SolveState::numbers whose size the solver checks itself.
-constexpr std::size_t any_size = static_cast<std::size_t>(-1);
 
 /// What a solver shows of itself between two steps.
 class SolverVectors {
@@ -43,6 +26,9 @@ class SolverVectors {
     /// SolveState::numbers.
     [[nodiscard]] virtual std::vector<std::vector<double>> save() const = 0;
 };
+
+/// A vector of SolveState::numbers whose size the solver checks itself.
+constexpr std::size_t any_size = static_cast<std::size_t>(-1);
 
 class SolveFrame {
   public:
@@ -64,6 +50,8 @@ class SolveFrame {
     [[nodiscard]] const Channels& emitted_power() const { return emitted_power_; }
     /// Bytes of one read of all blocks.
     [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
+
+    [[nodiscard]] std::size_t patch_count() const { return emits_.size(); }
 
     /// The numbers to go on from, which the frame no longer holds then; nothing at the beginning. `sizes`: of the
     /// vectors that the solver expects. Throws Error{internal} for others.

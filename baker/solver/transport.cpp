@@ -37,8 +37,7 @@ Transport::Transport(BlockSource& source, std::span<const Rgb> reflectance, cons
     for (std::size_t i = 0; i < scaled_.size(); ++i) {
         const auto patch = static_cast<PatchNumber>(i);
         for (std::size_t c = 0; c < 3; ++c)
-            scaled_[i][c] =
-                (channel_is_lit[c] ? this->reflectance(patch, c) / self_factor(patch, c) : 0.0) + 0.0;  // no -0
+            scaled_[i][c] = channel_is_lit[c] ? this->reflectance(patch, c) / self_factor(patch, c) : 0.0;
     }
     const ChunkNumber chunk_count = layout().chunk_count();
     rows_.resize(chunk_count);

@@ -8,7 +8,6 @@
 #pragma once
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -40,8 +39,12 @@ class Transport {
     [[nodiscard]] double self_factor(PatchNumber patch, std::size_t channel) const;  ///< D, at least 1e-12
     [[nodiscard]] const Channels& scaled_reflectance(PatchNumber patch) const { return scaled_[patch]; }  ///< rho'
     /// rho' = 0 in all channels: for patches that no light can reach. Changes no radiosity.
-    void forget(PatchNumber patch) { scaled_[patch] = forgotten; }
-    [[nodiscard]] bool is_forgotten(PatchNumber patch) const { return std::signbit(scaled_[patch][0]); }
+    void forget(PatchNumber patch) {
+        scaled_[patch] = {0, 0, 0};
+        forgotten_.push_back(patch);
+    }
+    /// In the order in which they were forgotten; some more than once.
+    [[nodiscard]] std::span<const PatchNumber> forgotten() const { return forgotten_; }
 
     [[nodiscard]] std::span<const BlockInfo> blocks() const { return source_.blocks(); }
     [[nodiscard]] std::span<const RowBlock> row(ChunkNumber chunk) const { return rows_[chunk]; }
@@ -63,12 +66,11 @@ class Transport {
     void resume_at(std::uint64_t requested_bytes) { requested_bytes_ = requested_bytes; }
 
   private:
-    /// Zeros, told from those of a black patch by their sign.
-    static constexpr Channels forgotten{-0.0, -0.0, -0.0};
     static constexpr std::size_t no_block = static_cast<std::size_t>(-1);
     BlockSource& source_;
     std::span<const Rgb> reflectance_;
     std::vector<Channels> scaled_;
+    std::vector<PatchNumber> forgotten_;
     std::vector<std::vector<RowBlock>> rows_;
     std::vector<std::size_t> diagonal_;
     std::vector<std::uint64_t> row_bytes_;

@@ -1,10 +1,10 @@
-/// One unknown per chunk: the smallest model of how chunks exchange light, gathered for free during a read.
+/// Adjoint weights scaled chunk by chunk: the smallest model of how chunks exchange light, with one unknown per chunk,
+/// gathered for free while the certificate reads (certificate.h). Light itself has a richer one: coarse_space.h.
 ///
 /// With weights w as basis (one function per chunk, zero elsewhere) the Galerkin form of (I - T) w = 1, made symmetric
 /// by rho' A, is   (E_a - C_aa) s_a - sum_b C_ab s_b = R_a   with
 ///     E_a = sum_a rho' A w^2,  R_a = sum_a rho' A w,  C_ab = sum_{i in a, j in b} (rho' w)_i G_ij (rho' w)_j,
-/// and s_a scales the weights of chunk a. The same matrix is that of the light equation for an irradiance
-/// s_a w in chunk a; its right-hand side is the weighted unshot power sum_a A w U. Units: m2. Memory: 24 bytes per
+/// and s_a scales the weights of chunk a. Units: m2. Memory: 24 bytes per
 /// block and chunk. Threads: the setters are called at the same time for different blocks and chunks.
 #pragma once
 #include <span>
@@ -15,24 +15,20 @@
 
 namespace luxel {
 
-class CoarseSystem {
+class CoarseWeights {
   public:
-    explicit CoarseSystem(const Transport& transport);
+    explicit CoarseWeights(const Transport& transport);
     /// Of block (a, b), a != b: x_a = rho' w of a, y_a = sum over b of G rho' w.
     void set_coupling(std::size_t block_index, std::span<const Lanes> x_a, std::span<const Lanes> y_a);
-    void set_coupling(std::size_t block_index, const Channels& coupling) {
-        coupling_[block_index] = coupling;
-    }  ///< C_ab itself
     /// inside = T_aa w.
     void set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::span<const Lanes> inside);
     /// Multiplies the weights of each chunk by its solution; leaves a channel as it is where there is none that is
     /// positive and finite (light that never ends).
     void scale(std::vector<Channels>& weights) const;
 
+  private:
     /// s per chunk, for a right-hand side per chunk; empty if the matrix is not positive (light that never ends).
     [[nodiscard]] std::vector<double> solve(std::size_t channel, const std::vector<double>& right) const;
-
-  private:
     void apply(std::size_t channel, const std::vector<double>& x, std::vector<double>& y) const;
 
     const Transport& transport_;

@@ -1,4 +1,4 @@
-#include "baker/solver/coarse.h"
+#include "baker/solver/coarse_weights.h"
 
 #include <cmath>
 
@@ -14,20 +14,20 @@ double dot(const std::vector<double>& x, const std::vector<double>& y) {
 
 }  // namespace
 
-CoarseSystem::CoarseSystem(const Transport& transport)
+CoarseWeights::CoarseWeights(const Transport& transport)
     : transport_(transport),
       coupling_(transport.blocks().size()),
       diagonal_(transport.layout().chunk_count()),
       right_(transport.layout().chunk_count()) {}
 
-void CoarseSystem::set_coupling(std::size_t block_index, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
+void CoarseWeights::set_coupling(std::size_t block_index, std::span<const Lanes> x_a, std::span<const Lanes> y_a) {
     Channels sum{0, 0, 0};
     for (std::size_t i = 0; i < x_a.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) sum[c] += x_a[i].v[c] * y_a[i].v[c];
-    set_coupling(block_index, sum);
+    coupling_[block_index] = sum;
 }
 
-void CoarseSystem::set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::span<const Lanes> inside) {
+void CoarseWeights::set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::span<const Lanes> inside) {
     Channels diagonal{0, 0, 0}, right{0, 0, 0};
     for (std::size_t i = 0; i < w.size(); ++i) {
         const PatchNumber patch = transport_.first(chunk) + static_cast<PatchNumber>(i);
@@ -41,7 +41,7 @@ void CoarseSystem::set_chunk(ChunkNumber chunk, std::span<const Lanes> w, std::s
     right_[chunk] = right;
 }
 
-void CoarseSystem::apply(std::size_t channel, const std::vector<double>& x, std::vector<double>& y) const {
+void CoarseWeights::apply(std::size_t channel, const std::vector<double>& x, std::vector<double>& y) const {
     for (std::size_t a = 0; a < x.size(); ++a) y[a] = diagonal_[a][channel] * x[a];
     for (std::size_t k = 0; k < coupling_.size(); ++k) {
         const BlockInfo& block = transport_.blocks()[k];
@@ -52,7 +52,7 @@ void CoarseSystem::apply(std::size_t channel, const std::vector<double>& x, std:
 }
 
 /// Conjugate gradients, scaled by the diagonal.
-std::vector<double> CoarseSystem::solve(std::size_t channel, const std::vector<double>& right) const {
+std::vector<double> CoarseWeights::solve(std::size_t channel, const std::vector<double>& right) const {
     const std::size_t count = diagonal_.size();
     std::vector<double> x(count, 0.0), r = right, z(count), p(count), q(count);
     const auto scaled = [&](const std::vector<double>& v, std::vector<double>& out) {
@@ -79,7 +79,7 @@ std::vector<double> CoarseSystem::solve(std::size_t channel, const std::vector<d
     return x;
 }
 
-void CoarseSystem::scale(std::vector<Channels>& weights) const {
+void CoarseWeights::scale(std::vector<Channels>& weights) const {
     // Further than this the matrix is singular up to rounding, and scaling would only lose precision.
     constexpr double largest_scale = 1e9;
     for (std::size_t c = 0; c < 3; ++c) {
