@@ -67,7 +67,8 @@ BakeReport bake(const BakeOptions& options) {
     const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
     const MemoryPlan plan =
         plan_memory(options.memory_bytes, fixed, geometry->patches.count(), options.chunk_patches,
-                    geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.preview_s > 0);
+                    geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.solver,
+                    options.preview_s > 0);
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "baker/core/disjoint_sets.h"
 #include "baker/store/closed_matrix.h"
 
 namespace luxel {
@@ -41,25 +41,19 @@ Ended ended_at(const Patch& patch, const BakedMatrix& matrix, const BakedSolutio
 
 /// Which patches exchange light, directly or not: each patch with the smallest number of its part.
 std::vector<PatchNumber> parts(const BakedMatrix& matrix) {
-    std::vector<PatchNumber> parent(matrix.area_m2.size());
-    std::iota(parent.begin(), parent.end(), PatchNumber{0});
-    const auto root = [&](PatchNumber p) {
-        while (parent[p] != p) p = parent[p] = parent[parent[p]];
-        return p;
-    };
+    DisjointSets sets(static_cast<PatchNumber>(matrix.area_m2.size()));
     ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
     Block block;
     for (std::size_t index = 0; index < strips.blocks().size(); ++index) {
         strips.load(index, block);
         const std::vector<PatchNumber>& first = strips.layout().first_patch;
         for (PatchNumber row = 0; row + 1 < block.row_begin.size(); ++row)
-            for (std::uint32_t k = block.row_begin[row]; k < block.row_begin[row + 1]; ++k) {
-                const PatchNumber a = root(first[block.a] + row), b = root(first[block.b] + block.columns[k]);
-                parent[std::max(a, b)] = std::min(a, b);
-            }
+            for (std::uint32_t k = block.row_begin[row]; k < block.row_begin[row + 1]; ++k)
+                sets.unite(first[block.a] + row, first[block.b] + block.columns[k]);
     }
-    for (PatchNumber p = 0; p < parent.size(); ++p) parent[p] = root(p);
-    return parent;
+    std::vector<PatchNumber> part(matrix.area_m2.size());
+    for (PatchNumber p = 0; p < part.size(); ++p) part[p] = sets.find(p);
+    return part;
 }
 
 /// Does light that matters never end? `total`: of all patches.

@@ -14,10 +14,23 @@ constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
 /// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
 constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
-/// Vectors of the solve, closure and tallies: doubles per patch of emission, radiosity, unshot, adjoint (3 channels each,
-/// padded to 4 in the kernels), closure (3), tallies and index by id, 268 in all; and a copy of what a shooting solve goes on
-/// from on its way to the disk (72). The coarse space and its copy come beside them.
-constexpr std::uint64_t solve_bytes_per_patch = 340;
+/// What a solve holds per patch: its input, area, reflectance, closure, tallies and index by id, and at the end the result (200
+/// in all); the solver's own vectors, and a copy of those that it goes on from on its way to the disk (144 in all for shooting,
+/// 464 for conjugate gradients). The coarse space and its copy come beside them.
+std::uint64_t solve_bytes_per_patch(SolverKind solver) {
+    switch (solver) {
+        case SolverKind::shoot:
+        case SolverKind::shoot_patch:
+            return 344;
+        case SolverKind::gather:
+            return 440;
+        case SolverKind::jacobi:
+            return 440;
+        case SolverKind::cg:
+            return 664;
+    }
+    return 0;
+}
 constexpr std::uint64_t bytes_per_entry = CoarseSpace::bytes_per_entry + CoarseSpace::saved_bytes_per_entry;
 /// Of the standard error: patterns, noise, sums (200), the result (48), beside what is known of the light (170).
 constexpr std::uint64_t accuracy_bytes_per_patch = 420;
@@ -32,7 +45,7 @@ constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
 MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
                        std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, bool previews) {
+                       bool image_library_loaded, SolverKind solver, bool previews) {
     // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
     // as much again for its counts.
     const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
@@ -40,7 +53,7 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, st
     const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
     const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
     const std::uint64_t vectors = std::max(patch_count * accuracy_bytes_per_patch,
-                                           patch_count * solve_bytes_per_patch + CoarseSpace::most_entries(patch_count) * bytes_per_entry);
+                                           patch_count * solve_bytes_per_patch(solver) + CoarseSpace::most_entries(patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
     const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;

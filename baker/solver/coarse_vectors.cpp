@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "baker/core/disjoint_sets.h"
 #include "baker/core/parallel.h"
 
 namespace luxel {
@@ -73,31 +73,23 @@ std::vector<std::vector<Lanes>> even_light_of_parts(const Transport& transport, 
                                                     const Block* diagonal) {
     if (!diagonal) return {};
     constexpr std::size_t most_parts = 4;
-    // Union-find over the pairs.
-    std::vector<std::size_t> parent(system.size());
-    std::iota(parent.begin(), parent.end(), std::size_t{0});
-    const auto root = [&](std::size_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    for (std::size_t row = 0; row + 1 < diagonal->row_begin.size(); ++row)
-        for (std::size_t k = diagonal->row_begin[row]; k < diagonal->row_begin[row + 1]; ++k) {
-            const std::size_t a = root(row), b = root(diagonal->columns[k]);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
-    std::vector<std::size_t> patches_of(system.size(), 0), roots;
-    for (std::size_t i = 0; i < system.size(); ++i) ++patches_of[root(i)];
-    for (std::size_t i = 0; i < system.size(); ++i)
+    DisjointSets sets(static_cast<std::uint32_t>(system.size()));
+    for (std::uint32_t row = 0; row + 1 < diagonal->row_begin.size(); ++row)
+        for (std::uint32_t k = diagonal->row_begin[row]; k < diagonal->row_begin[row + 1]; ++k)
+            sets.unite(row, diagonal->columns[k]);
+    std::vector<std::uint32_t> patches_of(system.size(), 0), roots;
+    for (std::uint32_t i = 0; i < system.size(); ++i) ++patches_of[sets.find(i)];
+    for (std::uint32_t i = 0; i < system.size(); ++i)
         if (patches_of[i] > 1) roots.push_back(i);
     std::stable_sort(roots.begin(), roots.end(),
-                     [&](std::size_t a, std::size_t b) { return patches_of[a] > patches_of[b]; });
+                     [&](std::uint32_t a, std::uint32_t b) { return patches_of[a] > patches_of[b]; });
     if (roots.size() > most_parts) roots.resize(most_parts);
     const std::vector<Lanes> all = even_light(transport, system);
     std::vector<std::vector<Lanes>> parts;
-    for (const std::size_t part : roots) {
+    for (const std::uint32_t part : roots) {
         std::vector<Lanes>& light = parts.emplace_back(all);
-        for (std::size_t i = 0; i < light.size(); ++i)
-            if (root(i) != part) light[i] = Lanes{};
+        for (std::uint32_t i = 0; i < light.size(); ++i)
+            if (sets.find(i) != part) light[i] = Lanes{};
     }
     return parts;
 }

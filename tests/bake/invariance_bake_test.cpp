@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/bake/whole_bake.h"
+#include "tests/support/solver_kinds.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel::test {
@@ -117,11 +118,7 @@ TEST_P(SolverInvariance, ChunksDoNotChangeTheLight) {
         ASSERT_NEAR(found[k], expected[k], 1e-6 * std::max<double>(std::fabs(expected[k]), mean)) << "value " << k;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SolverInvariance,
-                         testing::Values(SolverKind::shoot, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
-                         [](const testing::TestParamInfo<SolverKind>& kind) {
-                             return std::string(solver_names()[static_cast<std::size_t>(kind.param)]);
-                         });
+INSTANTIATE_TEST_SUITE_P(All, SolverInvariance, test::all_solvers(), test::solver_test_name);
 
 }  // namespace
 }  // namespace luxel::test

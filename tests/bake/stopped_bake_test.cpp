@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <fstream>
 
 #include "baker/bake/bake_folder.h"
 #include "baker/bake/stage_files.h"
 #include "tests/bake/whole_bake.h"
+#include "tests/support/solver_kinds.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel::test {
@@ -102,10 +102,7 @@ TEST_P(StoppedSolve, GoesOnFromAnyStep) {
     std::printf("%s: stopped and continued at %d of %d steps\n", std::string(solver_names()[static_cast<std::size_t>(one.solver)]).c_str(), resumed, all);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllSolvers, StoppedSolve, testing::Values(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
-                         [](const auto& kind) { std::string name(solver_names()[static_cast<std::size_t>(kind.param)]);
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name; });
+INSTANTIATE_TEST_SUITE_P(AllSolvers, StoppedSolve, test::all_solvers(), test::solver_test_name);
 
 TEST_F(StoppedBake, OneStepARunComesToTheSameEnd) {
     BakeOptions few = options();

@@ -11,7 +11,6 @@
 /// threads and nothing else, so that decode / seconds says how much of the store's speed a solver uses.
 /// --csv: one line per step: scene, albedo, solver, reads, true error, bound.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -24,6 +23,7 @@
 #include "baker/solver/solve.h"
 #include "baker/store/block_cache.h"
 #include "baker/store/closed_matrix.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace luxel;
 namespace fs = std::filesystem;
@@ -193,23 +193,20 @@ int main(int argc, char** argv) {
     app.add_option("--patch-texels", s.bake.patch_texels);
     app.add_option("--work", work);
     CLI11_PARSE(app, argc, argv);
-    const fs::path folder = fs::temp_directory_path() / fmt::format("solver_bench-{}", ::getpid());
-    fs::create_directories(folder);
+    const test::TemporaryFolder folder;
     s.bake.output = folder / "scene.glb";
     s.bake.work = work.empty() ? folder / "work" : work;
-    int status = 0;
     try {
         const Problem problem = prepare(s.bake);
         std::ofstream csv;
-        if (!s.csv.empty())
-            csv.open(s.csv);
-        else
+        if (s.csv.empty())
             csv.setstate(std::ios::failbit);
+        else
+            csv.open(s.csv);
         for (const double albedo : s.albedos) measure(s, problem, albedo, csv);
     } catch (const Error& error) {
         fmt::print(stderr, "solver_bench: {}\n", error.what());
-        status = 1;
+        return 1;
     }
-    fs::remove_all(folder);
-    return status;
+    return 0;
 }

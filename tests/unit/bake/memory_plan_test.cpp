@@ -22,8 +22,9 @@ const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1},
                    {60 * mebibyte, 50'000, 2048, 1024, 2},
                    {300 * mebibyte, 10'000'000, 4096, 4096, 16}};
 
-MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true, bool previews = false) {
-    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded, previews);
+MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true, bool previews = false, SolverKind solver = SolverKind::shoot) {
+    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded, solver,
+                       previews);
 }
 
 /// The smallest budget that the message names, in bytes.
@@ -50,6 +51,15 @@ TEST(MemoryPlan, TheStatedFloorWorksAndLessDoesNot) {
             EXPECT_THROW(plan(at_floor.floor_bytes - 1, size, loaded), Error);
             EXPECT_GE(at_floor.floor_bytes, size.fixed_bytes);
         }
+}
+
+TEST(MemoryPlan, ConjugateGradientsNeedMoreThanShooting) {
+    for (const Size& size : sizes) {
+        const std::uint64_t budget = std::uint64_t{1} << 40;
+        const MemoryPlan shoot = plan(budget, size), cg = plan(budget, size, true, false, SolverKind::cg);
+        EXPECT_GE(cg.floor_bytes, shoot.floor_bytes + 200 * size.patch_count);
+        EXPECT_LE(cg.cache_bytes, shoot.cache_bytes);
+    }
 }
 
 TEST(MemoryPlan, SharesFitTheBudget) {

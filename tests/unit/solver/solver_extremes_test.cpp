@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -11,6 +10,7 @@
 
 #include "baker/solver/solve.h"
 #include "formats/base/error.h"
+#include "tests/support/solver_kinds.h"
 #include "tests/unit/solver/matrices.h"
 
 namespace luxel {
@@ -300,13 +300,7 @@ TEST_P(SolverExtremes, BadNumbersAreRefused) {
     EXPECT_THROW(run(matrix, grey(9, 0.5f), light), Error);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SolverExtremes,
-                         testing::Values(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
-                         [](const testing::TestParamInfo<SolverKind>& kind) {
-                             std::string name(solver_names()[static_cast<std::size_t>(kind.param)]);
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, SolverExtremes, test::all_solvers(), test::solver_test_name);
 
 }  // namespace
 }  // namespace luxel

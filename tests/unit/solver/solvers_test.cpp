@@ -1,14 +1,13 @@
 /// What every solver must do, for all of them.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include <cmath>
 #include <cstdio>
 
 #include "baker/core/parallel.h"
 #include "baker/solver/solve.h"
 #include "formats/base/error.h"
+#include "tests/support/solver_kinds.h"
 #include "tests/unit/solver/matrices.h"
 
 namespace luxel {
@@ -207,13 +206,7 @@ TEST_P(Solvers, AmbientLightIsAllThatIsStillToComeInAClosedRoom) {
     EXPECT_GT(looks, 1u);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Solvers,
-                         testing::Values(SolverKind::shoot, SolverKind::shoot_patch, SolverKind::gather, SolverKind::jacobi, SolverKind::cg),
-                         [](const testing::TestParamInfo<SolverKind>& kind) {
-                             std::string name(solver_names()[static_cast<std::size_t>(kind.param)]);
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(All, Solvers, test::all_solvers(), test::solver_test_name);
 
 }  // namespace
 }  // namespace luxel
