@@ -8,6 +8,9 @@ namespace luxel {
 namespace {
 
 constexpr std::uint32_t version = 1;
+constexpr std::uint32_t checkpoint_version = 2;
+/// Numbers of a checkpoint's vectors in one block: compressing a block takes as much memory again.
+constexpr std::size_t piece_numbers = std::size_t{1} << 16;
 /// A double holds every whole number up to here.
 constexpr double most_whole = 9007199254740992.0;
 
@@ -56,6 +59,22 @@ std::vector<Channels> channels(const std::vector<double>& values) {
     std::vector<Channels> all(values.size() / 3);
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
     return all;
+}
+
+/// `size` numbers from block `next` on, as many blocks as they fill; `next` is the block after them then.
+std::vector<double> read_pieces(const BlockFileReader& file, std::size_t& next, std::uint64_t size) {
+    std::vector<double> numbers;
+    // A size that is a lie must not ask for memory: numbers of a solve hardly compress.
+    numbers.reserve(std::min(size, file.file_bytes()));
+    while (numbers.size() < size) {
+        if (next == file.blocks().size()) damaged(file, "vectors end before their " + std::to_string(size) + " numbers");
+        const std::vector<double> piece = read_column<double>(file, next++);
+        check_size(file, piece.size(), std::min<std::uint64_t>(piece_numbers, size - numbers.size()), "of a vector");
+        for (const double number : piece)
+            if (std::isnan(number)) damaged(file, "block " + std::to_string(next - 1) + " holds what is not a number");
+        numbers.insert(numbers.end(), piece.begin(), piece.end());
+    }
+    return numbers;
 }
 
 ByteView text_bytes(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
@@ -164,7 +183,7 @@ std::optional<SolveResult> load_solution(const std::filesystem::path& path, cons
 }
 
 void save_checkpoint(const std::filesystem::path& path, const Key& key, const SolveState& state) {
-    BlockFileWriter file(path, FileKind::checkpoint, version, key);
+    BlockFileWriter file(path, FileKind::checkpoint, checkpoint_version, key);
     file.append(0, text_bytes(state.solver), 0);
     append_column<std::uint64_t>(file, 1, std::array{state.bytes_read, state.requested_bytes});
     std::vector<std::uint64_t> bytes;
@@ -175,15 +194,21 @@ void save_checkpoint(const std::filesystem::path& path, const Key& key, const So
     }
     append_column<std::uint64_t>(file, 2, bytes);
     append_column<double>(file, 3, bounds);
-    for (const auto& numbers : state.numbers) append_column<double>(file, file.block_count(), numbers);
+    std::vector<std::uint64_t> sizes;
+    for (const auto& numbers : state.numbers) sizes.push_back(numbers.size());
+    append_column<std::uint64_t>(file, 4, sizes);
+    for (const auto& numbers : state.numbers)
+        for (std::size_t begin = 0; begin < numbers.size(); begin += piece_numbers)
+            append_column<double>(file, file.block_count(),
+                                  std::span(numbers).subspan(begin, std::min(piece_numbers, numbers.size() - begin)));
     file.publish();
 }
 
 std::optional<SolveState> load_checkpoint(const std::filesystem::path& path, const Key& key) {
-    if (absent(path) || identify_block_file(path).version != version) return {};
-    const BlockFileReader file(path, FileKind::checkpoint, version, &key);
-    constexpr std::size_t first_vector = 4;
-    require_numbered_blocks(file, std::max(file.blocks().size(), first_vector));
+    if (absent(path) || identify_block_file(path).version != checkpoint_version) return {};
+    const BlockFileReader file(path, FileKind::checkpoint, checkpoint_version, &key);
+    constexpr std::size_t first_piece = 5;
+    require_numbered_blocks(file, std::max(file.blocks().size(), first_piece));
     SolveState state;
     state.solver = read_name(file, 0);
     const auto counts = read_column<std::uint64_t>(file, 1), bytes = read_column<std::uint64_t>(file, 2);
@@ -192,11 +217,9 @@ std::optional<SolveState> load_checkpoint(const std::filesystem::path& path, con
     check_size(file, bounds.size(), bytes.size(), "history");
     state.bytes_read = counts[0], state.requested_bytes = counts[1];
     for (std::size_t k = 0; k < bytes.size(); ++k) state.history.push_back({bytes[k], bound(file, bounds[k])});
-    for (std::size_t k = first_vector; k < file.blocks().size(); ++k) {
-        state.numbers.push_back(read_column<double>(file, k));
-        for (const double number : state.numbers.back())
-            if (std::isnan(number)) damaged(file, "column " + std::to_string(k) + " holds what is not a number");
-    }
+    std::size_t next = first_piece;
+    for (const std::uint64_t size : read_column<std::uint64_t>(file, 4)) state.numbers.push_back(read_pieces(file, next, size));
+    check_size(file, file.blocks().size(), next, "of vectors");
     return state;
 }
 

@@ -10,8 +10,9 @@
 /// accuracy  kind 10, version 1: 0 sigma of radiosity (f64, 3 per patch), 1 sigma of irradiance (f64, 3 per patch),
 ///           2 relative error (f64).
 /// lightmap  kind 6, version 1: 0 irradiance (f32, 3 per texel of the page, in texel order).
-/// checkpoint kind 13, version 1: SolveState: 0 name of the solver (text), 1 bytes that came from the disk, bytes that were
-///           asked for (2 u64), 2 history: bytes read (u64), 3 history: bound (f64), 4 ... the solver's vectors (f64).
+/// checkpoint kind 13, version 2: SolveState: 0 name of the solver (text), 1 bytes that came from the disk, bytes that were
+///           asked for (2 u64), 2 history: bytes read (u64), 3 history: bound (f64), 4 sizes of the solver's vectors (u64),
+///           5 ... the vectors one after the other (f64), each in pieces of 65536 numbers, its last one shorter.
 #pragma once
 #include <filesystem>
 #include <optional>

@@ -239,7 +239,14 @@ CoarseSpace::Exchange CoarseSpace::exchange(ChunkNumber chunk, std::span<const C
 }
 
 std::vector<double> CoarseSpace::save() const {
+    // Large next to everything else of a solve: never more than once in memory.
+    std::size_t count = 0;
+    for (const Vector& vector : vectors_) {
+        count += 1 + 3 * (vector.radiosity.size() + vector.own.size());
+        for (const Column& column : vector.columns) count += 1 + column.rows.size() + 3 * column.exchange.size();
+    }
     std::vector<double> numbers;
+    numbers.reserve(count);
     const auto put = [&](std::span<const Channels> values) {
         for (const Channels& value : values) numbers.insert(numbers.end(), value.begin(), value.end());
     };

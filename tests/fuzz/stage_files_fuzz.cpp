@@ -27,7 +27,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     constexpr FileKind kinds[]{FileKind::closure, FileKind::solution, FileKind::plan, FileKind::accuracy,
                                FileKind::lightmap, FileKind::checkpoint};
     const FileKind kind = kinds[data[0] % std::size(kinds)];
-    const test::BlockContents contents = fuzz::contents_from({data + 2, size - 2}, kind, 1);
+    const std::uint32_t version = kind == FileKind::checkpoint ? 2 : 1;
+    const test::BlockContents contents = fuzz::contents_from({data + 2, size - 2}, kind, version);
     const auto path = fuzz::scratch_file(contents);
     if (!fuzz::accepts([&] { again(kind, path, data[1]); })) return 0;
     const test::BlockContents written = test::contents_of(path);

@@ -157,7 +157,8 @@ TEST(StageFiles, Checkpoint) {
     const test::TemporaryFolder folder;
     const auto path = folder / "k";
     const double infinite = std::numeric_limits<double>::infinity(), no_number = std::nan("");
-    const SolveState state{"shoot", 1ULL << 60, 3, {{4096, infinite}, {1ULL << 40, 1e-4}}, {numbers(40, 1), {}, {infinite, -0.0, 5e-324}}};
+    const SolveState state{"shoot", 1ULL << 60, 3, {{4096, infinite}, {1ULL << 40, 1e-4}},
+                           {numbers(40, 1), {}, {infinite, -0.0, 5e-324}, numbers(150000, 1)}};
     save_checkpoint(path, key, state);
     const auto found = load_checkpoint(path, key);
     ASSERT_TRUE(found);
@@ -172,12 +173,15 @@ TEST(StageFiles, Checkpoint) {
     const auto load = [&] { load_checkpoint(path, key); };
     EXPECT_TRUE(refuses(path, 3, 1, no_number, load));
     EXPECT_TRUE(refuses(path, 3, 1, -1.0, load)) << "a bound";
-    EXPECT_TRUE(refuses(path, 4, 39, no_number, load));
+    EXPECT_TRUE(refuses(path, 5, 39, no_number, load));
+    EXPECT_TRUE(refuses(path, 8, 18927, no_number, load)) << "the last number of the last piece";
+    for (const std::uint64_t size : {std::uint64_t{0}, std::uint64_t{39}, std::uint64_t{41}, std::uint64_t{1} << 61})
+        EXPECT_TRUE(refuses(path, 4, 0, size, load)) << "a first vector of " << size;
     EXPECT_TRUE(refuses<std::uint8_t>(path, 0, 0, 7, load)) << "a name with a bell";
     EXPECT_TRUE(test::file_refused(path, [&] { load_checkpoint(path, other_key); }));
     test::expect_tags_guarded(path, load);
     const Bytes whole = read_file(path);
-    for (std::size_t block = 0; block < 4; ++block) {
+    for (std::size_t block = 0; block < 9; ++block) {
         test::rewrite(path, [&](auto& file) { file.parts.erase(file.parts.begin() + static_cast<std::ptrdiff_t>(block)); });
         EXPECT_TRUE(test::file_refused(path, load)) << "without block " << block;
         publish_file(path, whole);
