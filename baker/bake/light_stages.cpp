@@ -59,7 +59,7 @@ class PageLighter {
 };
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 4")
+    return KeyBuilder("light 5")
         .key(solution)
         .integer(options.gather_rays)
         .integer(options.lamp_points)

@@ -35,7 +35,8 @@ constexpr std::uint64_t bytes_per_entry = CoarseSpace::bytes_per_entry + CoarseS
 /// Of the standard error: patterns, noise, sums (200), the result (48), beside what is known of the light (170).
 constexpr std::uint64_t accuracy_bytes_per_patch = 420;
 /// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
-constexpr std::uint64_t bytes_per_shown_patch = 24 + 12;
+/// Beside them the links between neighbours (light/cell_links.h).
+constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
 /// A page on its way out: light of its texels, float RGB, mask, 8 bit RGB, and the encoders' copies of them.
 constexpr std::uint64_t bytes_per_page_texel = 12 + 12 + 1 + 3 + 24;
 /// Smallest share that pooling and the block cache work with.

@@ -95,7 +95,7 @@ class Help(Case):
     # A value that differs from the default, for every option of `luxel bake`.
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
-              "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
+              "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
               "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
@@ -191,7 +191,7 @@ class Usage(Case):
                 (["--padding", "65"], "--padding"), (["--patch-texels", "0"], "--patch-texels"),
                 (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
                 (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
-                (["--interpolation", "cubic"], "linear"), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
+                (["--interpolation", "cubic"], "cubic-bspline"), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
                 (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
                 (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),
                 (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):

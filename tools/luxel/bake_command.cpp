@@ -91,7 +91,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.importance = a.importance == "on";
     o.solver = *solver_kind(a.solver);
     o.error = a.error;
-    o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
+    o.interpolation = *interpolation_of(a.interpolation);
     o.encoding = parse_encoding(a.encoding);
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
@@ -185,6 +185,12 @@ int run(const Arguments& arguments, const CLI::App& command) {
     return exit_code(report, stop);
 }
 
+std::vector<std::string> interpolation_names() {
+    std::vector<std::string> names;
+    for (const Interpolation interpolation : all_interpolations) names.emplace_back(interpolation_name(interpolation));
+    return names;
+}
+
 void add_options(CLI::App& command, Arguments& a) {
     command.add_option("input", a.input, "scene, .gltf or .glb")->required()->type_name("IN");
     command.add_option("-o,--output", a.output, "result, .glb or .gltf")->required()->type_name("OUT");
@@ -208,8 +214,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
-    command.add_option("--interpolation", a.interpolation, "of drafts")
-        ->check(CLI::IsMember({"constant", "linear"}))->capture_default_str()->group("Quality");
+    command.add_option("--interpolation", a.interpolation, "of patches over texels where nothing is gathered, as in drafts and previews")
+        ->check(CLI::IsMember(interpolation_names()))->capture_default_str()->group("Quality");
     command.add_option("--texels-per-metre", a.texels_per_metre, "density of the lightmap; 0: about half a page for the scene")
         ->check(finite)->check(CLI::Range(0.0, 1e9))->capture_default_str()->group("Lightmap");
     command.add_option("--atlas-size", a.atlas_size, "side of a page in texels")

@@ -1,10 +1,13 @@
-/// Drafts: constant and linear reproduce what they should, and never read across a chart's border.
+/// Drafts: each method reproduces what it should, and never reads across a chart's border or through a wall.
 #include "baker/light/interpolate.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <limits>
 
+#include "baker/core/parallel.h"
 #include "tests/support/scenes.h"
 
 namespace luxel {
@@ -62,60 +65,237 @@ TEST(Interpolate, ConstantIsThePatchItself) {
     });
 }
 
-TEST(Interpolate, LinearReproducesALinearField) {
+TEST(Interpolate, ALinearFieldStaysLinear) {
     const auto made = test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, 5}, {4, 0, 0})).build(),
                                     {.texels_per_metre = 8, .patch_texels = cell});
     ASSERT_EQ(made->atlas.charts.size(), 1u);
     const Chart& chart = made->atlas.charts[0];
+    for (const auto& [how, reach] :
+         {std::pair{Interpolation::linear, 0.5f}, std::pair{Interpolation::corners, 1.0f},
+          std::pair{Interpolation::cubic_bspline, 1.5f}, std::pair{Interpolation::catmull_rom, 1.5f}}) {
+        const auto pages = interpolate(*made, values_of(*made, linear_field), how);
+        std::size_t inside = 0;
+        for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber) {
+            const float x = static_cast<float>(texel.x - chart.x) + 0.5f,
+                        y = static_cast<float>(texel.y - chart.y) + 0.5f;
+            // Where all cells are there that the method looks at.
+            const float last_x = static_cast<float>((chart.width - 1) / cell + 1) - reach,
+                        last_y = static_cast<float>((chart.height - 1) / cell + 1) - reach;
+            if (x < reach * cell || x > last_x * cell || y < reach * cell || y > last_y * cell) return;
+            const Rgb expected = linear_field(x, y);
+            EXPECT_NEAR((pages[page][k] - expected).length(), 0, 2e-7 * expected.length()) << interpolation_name(how);
+            ++inside;
+        });
+        EXPECT_GT(inside, 400u);
+    }
+}
+
+TEST(Interpolate, LinearContinuesTheOutermostValues) {
+    const auto made = test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, 5}, {4, 0, 0})).build(),
+                                    {.texels_per_metre = 8, .patch_texels = cell});
+    const Chart& chart = made->atlas.charts.at(0);
     const auto pages = interpolate(*made, values_of(*made, linear_field), Interpolation::linear);
-    std::size_t inside = 0;
     for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber) {
         const float x = static_cast<float>(texel.x - chart.x) + 0.5f, y = static_cast<float>(texel.y - chart.y) + 0.5f;
-        // Between the centres of the outermost cells; beyond them a value is continued, not extrapolated.
         const float last_x = (static_cast<float>((chart.width - 1) / cell) + 0.5f) * cell;
         const float last_y = (static_cast<float>((chart.height - 1) / cell) + 0.5f) * cell;
         const float half = cell / 2.0f;
         const Rgb expected = linear_field(std::clamp(x, half, last_x), std::clamp(y, half, last_y));
-        EXPECT_NEAR((pages[page][k] - expected).length(), 0, 1e-4 * expected.length());
-        inside += x > half && x < last_x && y > half && y < last_y;
+        EXPECT_NEAR((pages[page][k] - expected).length(), 0, 1e-5 * expected.length());
     });
-    EXPECT_GT(inside, 500u);
+}
+
+/// A room with a ball in it: charts with straight and with ragged borders, and cells that are cut.
+std::unique_ptr<Prepared> room_with_ball() {
+    return test::prepare(SceneMaker()
+                             .add("walls", test::room({0, 0, 0}, {1.7f, 1.1f, 1.3f}))
+                             .add("ball", test::moved(test::icosphere(2, 0.4f), {0.8f, 0.3f, 0.6f}))
+                             .build(),
+                         {.patch_texels = cell});
+}
+
+TEST(Interpolate, WeightsSumToOneEverywhere) {
+    const auto made = room_with_ball();
+    const Rgb light(0.7f, 123.456f, 1e30f);
+    for (const Interpolation how : all_interpolations) {
+        const auto pages = interpolate(*made, std::vector<Rgb>(made->patches.count(), light), how);
+        for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber) {
+            const Rgb expected = made->texels.pages[page].can_send(texel) ? light : Rgb(0, 0, 0);
+            EXPECT_EQ(pages[page][k], expected) << interpolation_name(how);
+        });
+    }
 }
 
 TEST(Interpolate, NeverAcrossCharts) {
-    const auto made = test::prepare(SceneMaker()
-                                        .add("walls", test::room({0, 0, 0}, {1.7f, 1.1f, 1.3f}))
-                                        .add("ball", test::moved(test::icosphere(2, 0.4f), {0.8f, 0.5f, 0.6f}))
-                                        .build(),
-                                    {.patch_texels = cell});
+    const auto made = room_with_ball();
     ASSERT_GT(made->atlas.charts.size(), 3u);
     for (std::uint32_t chosen = 0; chosen < made->atlas.charts.size(); ++chosen) {
         std::vector<Rgb> values;
         for (const Patch& patch : made->patches.patches)
             values.push_back(patch.chart == chosen ? Rgb(1, 2, 3) : Rgb(NAN, NAN, NAN));
-        for (const Interpolation how : {Interpolation::constant, Interpolation::linear}) {
+        for (const Interpolation how : all_interpolations) {
             const auto pages = interpolate(*made, values, how);
             for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber) {
-                if (texel.chart == chosen) {
-                    EXPECT_NEAR((pages[page][k] - Rgb(1, 2, 3)).length(), 0, 1e-5);
+                if (texel.chart == chosen && made->texels.pages[page].can_send(texel)) {
+                    EXPECT_EQ(pages[page][k], Rgb(1, 2, 3)) << interpolation_name(how);
                 }
             });
         }
     }
 }
 
-TEST(Interpolate, LinearStaysBetweenItsNeighbours) {
+/// Floors of 4 x 3 m with a wall across at x = 2.
+struct WalledFloor {
+    const char* name;
+    test::MadeMesh wall;
+};
+
+std::vector<WalledFloor> walled_floors() {
+    const auto sheet = [](float x) {
+        test::MadeMesh mesh = quad({x, 0, 0}, {0, 1, 0}, {0, 0, 3});
+        test::append(mesh, quad({x, 0, 0}, {0, 0, 3}, {0, 1, 0}));
+        return mesh;
+    };
+    return {{"sheet between cells", sheet(2)},
+            {"sheet through cells", sheet(2.3f)},
+            {"solid wall, thinner than a cell", test::moved(test::box(0.2f, 1, 3), {2.1f, 0, 0})},
+            {"solid wall, wider than a cell", test::moved(test::box(0.8f, 1, 3), {1.9f, 0, 0})}};
+}
+
+TEST(Interpolate, NoLightThroughAWall) {
+    for (const auto& [name, wall] : walled_floors()) {
+        SCOPED_TRACE(name);
+        const auto made =
+            test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, 3}, {4, 0, 0})).add("wall", wall).build(),
+                          {.texels_per_metre = 8, .patch_texels = cell});
+        std::uint32_t floor_chart = none;
+        std::vector<Rgb> values;
+        std::size_t lit = 0, dark = 0;
+        for (const Patch& patch : made->patches.patches) {
+            const bool is_floor = made->atlas.charts[patch.chart].object == 0;
+            if (is_floor) floor_chart = patch.chart;
+            const bool is_lit = patch.center.x + static_cast<float>(made->scene.origin.x) > 2.2f;
+            values.push_back(is_lit ? Rgb(1e20f, 1e20f, 1e20f) : Rgb(1, 1, 1));
+            lit += is_floor && is_lit;
+            dark += is_floor && !is_lit;
+        }
+        ASSERT_GT(lit, 15u);
+        ASSERT_GT(dark, 15u);
+        for (const Interpolation how : all_interpolations) {
+            const auto pages = interpolate(*made, values, how);
+            for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber patch) {
+                if (texel.chart == floor_chart && made->texels.pages[page].can_send(texel)) {
+                    EXPECT_EQ(pages[page][k], values[patch])
+                        << interpolation_name(how) << " at " << texel.x << " " << texel.y;
+                }
+            });
+        }
+    }
+}
+
+TEST(Interpolate, CornersAreTheMeansOfThePatchesThatShareThem) {
+    const auto made = test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, 1}, {1, 0, 0})).build(),
+                                    {.texels_per_metre = 8, .patch_texels = cell});
+    const Chart& chart = made->atlas.charts.at(0);
+    ASSERT_EQ((chart.width + cell - 1) / cell, 2u);
+    ASSERT_EQ((chart.height + cell - 1) / cell, 2u);
+    const float a = 1, b = 20, c = 300, d = 4000;  // the patches from left to right and top to bottom
+    const auto pages = interpolate(*made,
+                                   values_of(*made,
+                                             [&](float x, float y) {
+                                                 const float value = y < cell ? (x < cell ? a : b) : (x < cell ? c : d);
+                                                 return Rgb(value, 2 * value, 3 * value);
+                                             }),
+                                   Interpolation::corners);
+    const float corner[3][3] = {
+        {a, (a + b) / 2, b}, {(a + c) / 2, (a + b + c + d) / 4, (b + d) / 2}, {c, (c + d) / 2, d}};
+    for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel& texel, PatchNumber) {
+        const std::uint32_t x = texel.x - chart.x, y = texel.y - chart.y;
+        const auto* top = corner[y / cell] + x / cell;
+        const auto* bottom = corner[y / cell + 1] + x / cell;
+        const float u = (static_cast<float>(x % cell) + 0.5f) / cell, v = (static_cast<float>(y % cell) + 0.5f) / cell;
+        const float expected = (top[0] * (1 - u) + top[1] * u) * (1 - v) + (bottom[0] * (1 - u) + bottom[1] * u) * v;
+        EXPECT_NEAR(pages[page][k].x, expected, 1e-5f * expected);
+        EXPECT_NEAR(pages[page][k].z, 3 * expected, 3e-5f * expected);
+    });
+}
+
+TEST(Interpolate, CubicsOnAStep) {
+    constexpr std::uint32_t odd = 5;  // so that a texel lies in the middle of each cell
+    const auto made = test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, 5}, {5, 0, 0})).build(),
+                                    {.texels_per_metre = 8, .patch_texels = odd});
+    std::vector<Rgb> values;
+    for (const Patch& patch : made->patches.patches)
+        values.push_back(patch.center.x + static_cast<float>(made->scene.origin.x) < 2.5f ? Rgb(0, 0, 0)
+                                                                                          : Rgb(1000, 1000, 1000));
+    const Chart& chart = made->atlas.charts.at(0);
+    float smooth_least = 1e9f, smooth_most = 0, sharp_least = 1e9f, sharp_most = 0;
+    std::size_t middles = 0;
+    const auto smooth =
+        interpolate_page(made->atlas, made->texels, made->patches, values, 0, odd, Interpolation::cubic_bspline);
+    const auto sharp =
+        interpolate_page(made->atlas, made->texels, made->patches, values, 0, odd, Interpolation::catmull_rom);
+    for_texels(*made, [&](std::uint32_t, std::size_t k, const Texel& texel, PatchNumber patch) {
+        smooth_least = std::min(smooth_least, smooth[k].x), smooth_most = std::max(smooth_most, smooth[k].x);
+        sharp_least = std::min(sharp_least, sharp[k].x), sharp_most = std::max(sharp_most, sharp[k].x);
+        if ((texel.x - chart.x) % odd == odd / 2 && (texel.y - chart.y) % odd == odd / 2) {
+            EXPECT_FLOAT_EQ(sharp[k].x, values[patch].x) << "Catmull-Rom goes through the values";
+            ++middles;
+        }
+    });
+    EXPECT_EQ(middles, made->patches.count());
+    EXPECT_EQ(smooth_least, 0);
+    EXPECT_EQ(smooth_most, 1000);
+    EXPECT_EQ(sharp_least, 0) << "it undershoots, but light is not negative";
+    EXPECT_GT(sharp_most, 1010);
+    EXPECT_LT(sharp_most, 1150);
+}
+
+TEST(Interpolate, AllButCatmullRomStayBetweenTheValues) {
     const auto made = test::prepare(SceneMaker().add("ball", test::icosphere(3, 1)).build(), {.patch_texels = cell});
     std::vector<Rgb> values;
     for (const Patch& patch : made->patches.patches) values.emplace_back(static_cast<float>(patch.id % 1000), 1, 0);
-    const auto pages = interpolate(*made, values, Interpolation::linear);
-    for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel&, PatchNumber) {
-        const Rgb& h = pages[page][k];
-        EXPECT_GE(h.x, 0);
-        EXPECT_LE(h.x, 1000);
-        EXPECT_NEAR(h.y, 1, 1e-5);
-        EXPECT_EQ(h.z, 0);
-    });
+    for (const Interpolation how : all_interpolations) {
+        const auto pages = interpolate(*made, values, how);
+        for_texels(*made, [&](std::uint32_t page, std::size_t k, const Texel&, PatchNumber) {
+            const Rgb& h = pages[page][k];
+            EXPECT_GE(h.x, 0);
+            EXPECT_LE(h.x, how == Interpolation::catmull_rom ? 2600 : 1000) << interpolation_name(how);
+            EXPECT_EQ(h.y, 1);
+            EXPECT_EQ(h.z, 0);
+        });
+    }
+}
+
+TEST(Interpolate, NothingOverflows) {
+    const auto made = room_with_ball();
+    constexpr float most = std::numeric_limits<float>::max();
+    std::vector<Rgb> values;
+    for (const Patch& patch : made->patches.patches) values.emplace_back(patch.id % 2 ? most : 0.0f, most, 1e-30f);
+    for (const Interpolation how : all_interpolations)
+        for (const auto& page : interpolate(*made, values, how))
+            for (const Rgb& h : page) EXPECT_TRUE(std::isfinite(h.x) && std::isfinite(h.y) && std::isfinite(h.z));
+}
+
+TEST(Interpolate, TheSameForAnyNumberOfThreads) {
+    const auto made = room_with_ball();
+    std::vector<Rgb> values;
+    for (const Patch& patch : made->patches.patches)
+        values.emplace_back(static_cast<float>(patch.id % 1000), static_cast<float>(patch.id % 7), 1);
+    for (const Interpolation how : all_interpolations) {
+        std::vector<std::vector<std::vector<Rgb>>> found;
+        for (const unsigned threads : {1u, 3u}) {
+            const ThreadLimit limit(threads);
+            found.push_back(interpolate(*made, values, how));
+        }
+        EXPECT_EQ(found[0], found[1]);
+    }
+}
+
+TEST(Interpolate, Names) {
+    for (const Interpolation how : all_interpolations) EXPECT_EQ(interpolation_of(interpolation_name(how)), how);
+    EXPECT_FALSE(interpolation_of("cubic"));
+    EXPECT_FALSE(interpolation_of(""));
 }
 
 }  // namespace
