@@ -35,6 +35,18 @@ void check_paths(const BakeOptions& options) {
     if (options.output.has_parent_path()) make_folder(options.output.parent_path());
 }
 
+/// Layers that nothing in this bake would fill.
+void check_layers(const BakeOptions& options) {
+    if (parts_light(options)) return;
+    std::vector<Layer> others;
+    for (const LayerInfo& info : all_layers)
+        if (!info.is_of_light) others.push_back(info.layer);
+    for (const Layer layer : options.layers)
+        if (layer_info(layer).is_of_light)
+            throw Error(ErrorCode::usage, "--aov", std::string("\"") + layer_info(layer).name + "\" needs the parts of each texel's light, which are not known with these options",
+                        "leave it out; these can be written: " + layer_names(others));
+}
+
 void verify(const BakeFolder& folder, const Key& strip_key, const MemoryPlan& plan, StageClock& clock, BakeReport& report) {
     clock.stage("verify", [&] {
         VerifyOptions options;
@@ -53,6 +65,7 @@ void verify(const BakeFolder& folder, const Key& strip_key, const MemoryPlan& pl
 
 BakeReport bake(const BakeOptions& options) {
     check_paths(options);
+    check_layers(options);
     const ThreadLimit threads(options.threads);
     const BakeFolder folder(options.work, options.output);
     BakeReport report;
@@ -68,7 +81,7 @@ BakeReport bake(const BakeOptions& options) {
     const MemoryPlan plan =
         plan_memory(options.memory_bytes, fixed, geometry->patches.count(), options.chunk_patches,
                     geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.solver,
-                    options.preview_s > 0);
+                    options.preview_s > 0, layer_bytes_per_texel(options.layers));
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.

@@ -9,6 +9,7 @@
 #include "baker/bake/report.h"
 #include "baker/core/stop.h"
 #include "baker/light/interpolate.h"
+#include "baker/output/layers.h"
 #include "baker/output/lightmap_encode.h"
 #include "baker/scene/value_check.h"
 #include "baker/solver/solve.h"
@@ -54,6 +55,7 @@ struct BakeOptions {
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
     Interpolation interpolation = Interpolation::linear;
     LightmapEncoding encoding = LightmapEncoding::srgb8;
+    std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers
     std::uint64_t seed = 0;
 
     std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< beside the scene's geometry

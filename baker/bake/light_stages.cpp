@@ -70,6 +70,9 @@ Key light_key(const BakeOptions& options, const Key& solution) {
 
 }  // namespace
 
+// Both ways to light, gathered and interpolated, know only the sum so far.
+bool parts_light(const BakeOptions&) { return false; }
+
 BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
                         StageClock& clock, BakeReport& report) {

@@ -46,12 +46,13 @@ constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
 MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
                        std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, SolverKind solver, bool previews) {
+                       bool image_library_loaded, SolverKind solver, bool previews, std::uint64_t layer_bytes_per_texel) {
     // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
     // as much again for its counts.
     const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
     const std::uint64_t blocks = pairs * 12 * threads;
-    const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
+    // The lightmap is gone when its layers come.
+    const std::uint64_t page = std::uint64_t{page_size} * page_size * std::max(bytes_per_page_texel, layer_bytes_per_texel);
     const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
     const std::uint64_t vectors = std::max(patch_count * accuracy_bytes_per_patch,
                                            patch_count * solve_bytes_per_patch(solver) + CoarseSpace::most_entries(patch_count) * bytes_per_entry);

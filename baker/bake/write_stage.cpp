@@ -1,6 +1,7 @@
 #include "baker/bake/write_stage.h"
 
 #include "baker/output/dilate.h"
+#include "baker/output/page_layers.h"
 #include "baker/output/sidecar.h"
 #include "formats/base/file.h"
 #include "formats/gltf/gltf_out.h"
@@ -105,7 +106,8 @@ class Writer {
         sidecar_.texels_per_metre = static_cast<double>(g_.atlas.texels_per_metre);
         lightmaps_.encoding = encoding_name(options_.encoding);
         for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
-            write_page(page);
+            const std::vector<std::uint8_t> mask = write_page(page);
+            if (!options_.layers.empty() && light_.state != "preview") write_layers(page, mask);
             if (progress) progress(page + 1, g_.atlas.page_count + 1);
         }
         lightmaps_.instances = primitive_layouts(g_);
@@ -122,8 +124,9 @@ class Writer {
     }
 
   private:
-    void write_page(std::uint32_t page) {
-        const PageImage image = page_image(g_, page, page_light(options_, g_, light_, page));
+    /// Returns which texels have a value.
+    std::vector<std::uint8_t> write_page(std::uint32_t page) {
+        PageImage image = page_image(g_, page, page_light(options_, g_, light_, page));
         const std::uint32_t size = g_.atlas.page_size;
         const EncodedPage encoded = encode_lightmap(image.values, image.mask, options_.encoding);
         const std::string name = "lightmap" + std::to_string(page);
@@ -143,6 +146,26 @@ class Writer {
         entry.exr = {exr.filename().string(), "", "linear", 1};
         entry.png = {"", name + "." + encoding, encoding, encoded.intensity};
         sidecar_.pages.push_back(entry);
+        return std::move(image.mask);
+    }
+
+    void write_layers(std::uint32_t page, const std::vector<std::uint8_t>& mask) {
+        const std::vector<TexelLight> light = light_.texel_light ? light_.texel_light(page) : std::vector<TexelLight>();
+        std::vector<Layer> layers, unknown;
+        for (const Layer layer : options_.layers)
+            (layer_info(layer).is_of_light && light.empty() && !g_.texels.pages[page].texels.empty() ? unknown : layers).push_back(layer);
+        if (!unknown.empty())
+            report_.warnings.push_back({"layers-left-out", "page " + std::to_string(page),
+                                        layer_names(unknown) + ": the parts of its light are not known, as nothing was gathered for it"});
+        if (layers.empty()) return;
+        auto exr = options_.output;
+        exr.replace_extension("aov" + std::to_string(page) + ".exr");
+        publish_file(exr, layers_exr({g_.scene, g_.atlas, g_.texels, g_.patches, page, mask, light}, layers, options_.software));
+        written_.add(exr);
+        for (const Layer layer : layers)
+            report_.outputs.push_back({exr.string() + "#" + layer_info(layer).name, "layer", layer_info(layer).quantity, layer_info(layer).unit, "linear", 1});
+        sidecar_.pages.back().layer_file = exr.filename().string();
+        sidecar_.pages.back().layers = std::move(layers);
     }
 
     const BakeOptions& options_;

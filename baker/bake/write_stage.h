@@ -10,7 +10,8 @@ struct WrittenOutputs {
     std::vector<Warning> warnings;
 };
 
-/// Writes `<stem>.lightmap<page>.exr`, the glTF with its 8-bit pages, and `<output>.lightmaps.json`. On an error the files
+/// Writes `<stem>.lightmap<page>.exr`, the glTF with its 8-bit pages, and `<output>.lightmaps.json`; with BakeOptions::layers
+/// `<stem>.aov<page>.exr` too, but not for previews. Layers of light that is not known are left out, with a warning. On an error the files
 /// that this call has written are removed again.
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
                                const ProgressFunction& progress);

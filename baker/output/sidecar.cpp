@@ -19,6 +19,16 @@ Json picture_json(const SidecarPicture& picture) {
     return json;
 }
 
+Json layers_json(const SidecarPage& page) {
+    Json parts = Json::array();
+    for (const Layer layer : page.layers) {
+        const LayerInfo& info = layer_info(layer);
+        Json& part = parts.emplace_back(Json{{"name", info.name}, {"channels", info.channels}, {"quantity", info.quantity}});
+        if (*info.unit) part["unit"] = info.unit;
+    }
+    return {{"uri", encode_percent(page.layer_file)}, {"parts", std::move(parts)}};
+}
+
 }  // namespace
 
 std::filesystem::path sidecar_path(const std::filesystem::path& model) {
@@ -38,6 +48,7 @@ Bytes sidecar_text(const Sidecar& sidecar) {
                      {"unit", page.unit}};
         for (const auto& [key, picture] : {std::pair{"exr", &page.exr}, std::pair{"png", &page.png}})
             if (!picture->file.empty() || !picture->name.empty()) json[key] = picture_json(*picture);
+        if (!page.layer_file.empty()) json["layers"] = layers_json(page);
         pages.push_back(std::move(json));
     }
     Json root = {{"schema", 1}, {"generator", sidecar.generator}};

@@ -5,8 +5,11 @@
 ///       "pages": [ { "index": 0, "width": 1024, "height": 1024, "quantity": "irradiance", "unit": "lux",
 ///                    "exr": { "uri": "hall.lightmap0.exr", "encoding": "linear", "intensity": 1 },
 ///                    "png": { "name": "lightmap0.srgb8", "uri": "hall.lightmap0.png", "encoding": "srgb8",
-///                             "intensity": 41.25 } } ] }
+///                             "intensity": 41.25 },
+///                    "layers": { "uri": "hall.aov0.exr", "parts": [
+///                        { "name": "albedo", "channels": "RGB", "quantity": "reflectance" } ] } } ] }
 ///
+/// `layers`: further layers of the page (layers.h), each a part of that name in one OpenEXR file; a part without `unit` is a number.
 /// Pages that are not final have a member `state` after `generator`: "preview", or "stopped" by the user.
 /// A value in `unit` is decode(sample) * intensity. `uri` is relative to the sidecar and percent-encoded; absent when
 /// the picture is only inside the model, where `name` finds it among the glTF images. `schema` is raised when a member
@@ -19,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/output/layers.h"
 #include "formats/base/bytes.h"
 
 namespace luxel {
@@ -34,6 +38,8 @@ struct SidecarPage {
     std::uint32_t width = 0, height = 0;
     std::string quantity = "irradiance", unit = "lux";
     SidecarPicture exr, png;  ///< left out where both names are empty
+    std::string layer_file;   ///< name of the file beside the sidecar that holds `layers`; empty: there is none
+    std::vector<Layer> layers;
 };
 
 struct Sidecar {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <mutex>
 #include <string_view>
@@ -113,6 +114,47 @@ Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& 
         throw Error(ErrorCode::internal, "encode_exr", "the number of values is not width * height * channels");
     Bytes bytes;
     const std::string why = plugin().encode_exr(image, sample, attributes_of(metadata), bytes);
+    if (!why.empty()) throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: " + why);
+    return bytes;
+}
+
+namespace {
+
+/// The samples of a part after a check of their kind and number.
+const void* checked_samples(const ExrPartValues& values, const ExrPart& part, std::uint64_t count) {
+    const void* samples = nullptr;
+    std::uint64_t found = 0;
+    if (const auto* floats = std::get_if<std::vector<float>>(&values); floats && part.sample != ExrSample::uint_32)
+        samples = floats->data(), found = floats->size();
+    if (const auto* numbers = std::get_if<std::vector<std::uint32_t>>(&values); numbers && part.sample == ExrSample::uint_32)
+        samples = numbers->data(), found = numbers->size();
+    if (found != count)
+        throw Error(ErrorCode::internal, "encode_exr_parts", "part " + part.name + " is not width * height * channels values of its kind");
+    return samples;
+}
+
+}  // namespace
+
+Bytes encode_exr_parts(std::uint32_t width, std::uint32_t height, std::span<const ExrPart> parts,
+                       const std::function<ExrPartValues(std::size_t part)>& values) {
+    std::vector<PluginPart> heads;
+    for (const ExrPart& part : parts) heads.push_back({part.name, part.channels, part.sample, attributes_of(part.metadata)});
+    if (parts.empty() || width == 0 || height == 0) throw Error(ErrorCode::internal, "encode_exr_parts", "there is nothing to encode");
+    ExrPartValues held;
+    std::exception_ptr failure;
+    const auto next = [&](std::size_t part) -> const void* {
+        try {
+            held = ExrPartValues();
+            held = values(part);
+            return checked_samples(held, parts[part], std::uint64_t{width} * height * parts[part].channels.size());
+        } catch (...) {
+            failure = std::current_exception();
+            return nullptr;
+        }
+    };
+    Bytes bytes;
+    const std::string why = plugin().encode_exr_parts(width, height, heads, next, bytes);
+    if (failure) std::rethrow_exception(failure);
     if (!why.empty()) throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: " + why);
     return bytes;
 }

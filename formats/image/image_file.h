@@ -12,9 +12,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "formats/base/bytes.h"
@@ -49,7 +51,11 @@ struct ImageMetadata {
     std::vector<std::pair<std::string, std::string>> more;  ///< further attributes, in this order
 };
 
-enum class ExrSample { half_float, float_32 };
+enum class ExrSample {
+    half_float,
+    float_32,
+    uint_32  ///< only of encode_exr_parts()
+};
 
 /// Interleaved float channels, row 0 at the top. `values` has width * height * channels.size() elements.
 struct ImageView {
@@ -62,6 +68,22 @@ struct ImageView {
 /// and `Software`, and a fixed DateTime, so that the same values give the same bytes. Values beyond 65504 become
 /// infinite as half_float: ask exr_sample_for() first.
 Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& metadata);
+
+/// One part of an OpenEXR file that has several, each with a name, channels and samples of its own.
+struct ExrPart {
+    std::string name;  ///< unique in the file, not empty
+    std::vector<std::string> channels;
+    ExrSample sample = ExrSample::float_32;
+    ImageMetadata metadata;
+};
+
+/// Interleaved, row 0 at the top, width * height * channels.size(); whole numbers for uint_32, else floats.
+using ExrPartValues = std::variant<std::vector<float>, std::vector<std::uint32_t>>;
+
+/// A multi-part OpenEXR file (one part: an ordinary one), all parts width x height, written as encode_exr() does. `values` is
+/// called once per part, in order, so that only one is held at a time. The encoded file is in memory twice for a moment.
+Bytes encode_exr_parts(std::uint32_t width, std::uint32_t height, std::span<const ExrPart> parts,
+                       const std::function<ExrPartValues(std::size_t part)>& values);
 
 /// half_float where every value survives it with at most 2^-11 relative error (0, or 2^-14 <= |v| <= 65504), else
 /// float_32. Values below 2^-24 of the largest one do not count: beside it they are nothing.

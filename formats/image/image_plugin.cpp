@@ -4,8 +4,13 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <exception>
 #include <new>
@@ -140,17 +145,95 @@ std::string write_to_memory(const char* name, const io::ImageSpec& spec, io::Typ
     return {};
 }
 
+io::TypeDesc type_of(ExrSample sample) {
+    if (sample == ExrSample::uint_32) return io::TypeUInt32;
+    return sample == ExrSample::half_float ? io::TypeHalf : io::TypeFloat;
+}
+
+io::ImageSpec exr_spec(std::uint32_t width, std::uint32_t height, const std::vector<std::string>& channels, ExrSample sample,
+                       const PluginAttributes& attributes) {
+    io::ImageSpec spec(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels.size()), type_of(sample));
+    spec.channelnames = channels;
+    spec.attribute("compression", "zip");
+    spec.attribute("oiio:ColorSpace", "Linear");
+    spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the time of writing: other bytes each time
+    add_attributes(spec, attributes, false);
+    return spec;
+}
+
 std::string write_exr(const ImageView& image, ExrSample sample, const PluginAttributes& attributes, Bytes& out) {
     return guarded([&] {
-        io::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height),
-                           static_cast<int>(image.channels.size()),
-                           sample == ExrSample::half_float ? io::TypeHalf : io::TypeFloat);
-        spec.channelnames = image.channels;
-        spec.attribute("compression", "zip");
-        spec.attribute("oiio:ColorSpace", "Linear");
-        spec.attribute("DateTime", "1970:01:01 00:00:00");  // else the time of writing: other bytes each time
-        add_attributes(spec, attributes, false);
+        const io::ImageSpec spec = exr_spec(image.width, image.height, image.channels, sample, attributes);
         return write_to_memory("memory.exr", spec, io::TypeFloat, image.values.data(), out);
+    });
+}
+
+/// A file without a place on any disk. The library writes parts only to files that have a name.
+class MemoryFile {
+  public:
+    MemoryFile() : descriptor_(::memfd_create("luxel", MFD_CLOEXEC)) {}
+    ~MemoryFile() {
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+    MemoryFile(const MemoryFile&) = delete;
+    MemoryFile& operator=(const MemoryFile&) = delete;
+    [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+    [[nodiscard]] std::string name() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+    bool read(Bytes& out) const {
+        struct stat status {};
+        if (::fstat(descriptor_, &status) != 0) return false;
+        out.resize(static_cast<std::size_t>(status.st_size));
+        for (std::size_t done = 0; done < out.size();) {
+            const ssize_t got = ::pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(done));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) return false;
+            done += static_cast<std::size_t>(got);
+        }
+        return true;
+    }
+
+  private:
+    int descriptor_;
+};
+
+/// Can the last line of every part be read? The library's encoder does not tell when the end of a file gets lost.
+bool is_whole(const Bytes& file, const std::vector<io::ImageSpec>& specs) {
+    io::Filesystem::IOMemReader source(const_cast<std::uint8_t*>(file.data()), file.size());
+    const auto input = io::ImageInput::open("memory.exr", nullptr, &source);
+    if (!input) return false;
+    for (std::size_t part = 0; part < specs.size(); ++part) {
+        const io::ImageSpec& spec = specs[part];
+        std::vector<std::uint32_t> line(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.nchannels));
+        const io::TypeDesc type = spec.format == io::TypeUInt32 ? io::TypeUInt32 : io::TypeFloat;
+        if (!input->read_scanlines(static_cast<int>(part), 0, spec.height - 1, spec.height, 0, 0, spec.nchannels, type, line.data()))
+            return false;
+    }
+    return true;
+}
+
+std::string write_exr_parts(std::uint32_t width, std::uint32_t height, std::span<const PluginPart> parts,
+                            const std::function<const void*(std::size_t)>& values, Bytes& out) {
+    return guarded([&]() -> std::string {
+        std::vector<io::ImageSpec> specs;
+        for (const PluginPart& part : parts) {
+            specs.push_back(exr_spec(width, height, part.channels, part.sample, part.attributes));
+            specs.back().attribute("oiio:subimagename", part.name);
+        }
+        const MemoryFile file;
+        const auto output = io::ImageOutput::create("memory.exr");
+        if (!file.is_open() || !output) return first_line(io::geterror(), "no memory for the file");
+        const std::string name = file.name();
+        if (!output->open(name, static_cast<int>(specs.size()), specs.data())) return first_line(output->geterror(), "the encoder failed");
+        for (std::size_t part = 0; part < parts.size(); ++part) {
+            if (part > 0 && !output->open(name, specs[part], io::ImageOutput::AppendSubimage))
+                return first_line(output->geterror(), "the encoder failed");
+            const void* samples = values(part);
+            if (!samples) return "its values are missing";
+            if (!output->write_image(parts[part].sample == ExrSample::uint_32 ? io::TypeUInt32 : io::TypeFloat, samples))
+                return first_line(output->geterror(), "the encoder failed");
+        }
+        if (!output->close()) return first_line(output->geterror(), "the encoder failed");
+        return file.read(out) && is_whole(out, specs) ? "" : "the encoder lost a part of the file: files of this size may not be allowed here";
     });
 }
 
@@ -174,6 +257,6 @@ extern "C" __attribute__((visibility("default"))) const luxel::ImagePlugin* luxe
         return true;
     }();
     static const luxel::ImagePlugin plugin{luxel::image_plugin_version, luxel::decode, luxel::write_exr,
-                                           luxel::write_png};
+                                           luxel::write_exr_parts, luxel::write_png};
     return configured ? &plugin : nullptr;
 }

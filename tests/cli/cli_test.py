@@ -96,7 +96,7 @@ class Help(Case):
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
-              "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
+              "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--aov": "albedo,valid", "--memory": "1G",
               "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
@@ -191,7 +191,8 @@ class Usage(Case):
                 (["--padding", "65"], "--padding"), (["--patch-texels", "0"], "--patch-texels"),
                 (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
                 (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
-                (["--interpolation", "cubic"], "cubic-bspline"), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
+                (["--interpolation", "cubic"], "cubic-bspline"), (["--aov", "albedo,beauty"], "direct, indirect, error, samples, albedo, normal, patch, chart, valid; found \"beauty\""),
+                (["--aov", ""], "--aov"), (["--aov", "albedo, valid"], "commas"), (["--aov", "direct"], "albedo,normal,patch,chart,valid"), (["--aov", "valid,samples"], '"samples" needs'), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
                 (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
                 (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),
                 (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):
@@ -338,6 +339,34 @@ class Input(Case):
 
 
 class Output(Case):
+    def test_layers_are_listed_and_written(self):
+        report = self.path("report.json")
+        self.assert_done(self.bake("--aov", "valid,albedo", "--report", report))
+        self.assertEqual(files_below(self.out), ["scene.aov0.exr", "scene.glb", "scene.glb.lightmaps.json", "scene.lightmap0.exr"])
+        with open(os.path.join(self.out, "scene.glb.lightmaps.json"), encoding="utf-8") as file:
+            (page,) = json.load(file)["pages"]
+        self.assertEqual(page["layers"]["uri"], "scene.aov0.exr")
+        self.assertEqual([part["name"] for part in page["layers"]["parts"]], ["albedo", "valid"])
+        with open(report, encoding="utf-8") as file:
+            outputs = [output for output in json.load(file)["outputs"] if output["kind"] == "layer"]
+        self.assertEqual([os.path.basename(output["path"]) for output in outputs], ["scene.aov0.exr#albedo", "scene.aov0.exr#valid"])
+
+    def test_layers_do_not_change_the_rest(self):
+        self.assert_done(self.bake())
+        plain = {name: read(os.path.join(self.out, name)) for name in files_below(self.out)}
+        self.assert_done(self.bake("--aov", "albedo,normal,patch,chart,valid"))
+        for name, content in plain.items():
+            if not name.endswith(".json"):
+                self.assertEqual(read(os.path.join(self.out, name)), content, name)
+
+    def test_layers_that_cannot_be_written(self):
+        self.assert_done(self.bake("--aov", "normal", "--work", self.path("work")))
+        sizes = {name: os.path.getsize(os.path.join(self.out, name)) for name in files_below(self.out)}
+        shutil.rmtree(self.out)
+        self.assertGreater(sizes["scene.aov0.exr"], sizes["scene.lightmap0.exr"], "so that the layers fail, not the lightmap")
+        for limit in (sizes["scene.aov0.exr"] - 1, sizes["scene.lightmap0.exr"] + 1):
+            self.assert_refused(self.bake("--aov", "normal", "--work", self.path("work"), limit_file_bytes=limit), CANNOT_WRITE)
+
     def test_folder_in_its_place(self):
         os.makedirs(self.path("a_folder.glb"))
         self.assert_refused(self.bake(output=self.path("a_folder.glb")), CANNOT_WRITE, "a_folder.glb")

@@ -32,7 +32,7 @@ struct Preset {
 constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 256, 4, 1e-3}, {"high", 1024, 1024, 16, 1e-4}}};
 
 struct Arguments {
-    std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
+    std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
@@ -93,6 +93,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.error = a.error;
     o.interpolation = *interpolation_of(a.interpolation);
     o.encoding = parse_encoding(a.encoding);
+    if (given("--aov")) o.layers = parse_layers(a.aov, "--aov");
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
     o.threads = a.threads;
@@ -125,6 +126,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
             {"encoding", a.encoding},
+            {"aov", layer_names(o.layers)},
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},
             {"store", store_name(o.store)},
@@ -226,6 +228,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--aov", a.aov, "layers to write beside the lightmap, separated by commas: " + known_layer_names())
+        ->type_name("LIST")->group("Lightmap");
     command.add_option("--bad-values", a.bad_values,
                        "colours outside 0 to 1, light below 0 or above 1e30: the nearest that can be, with a warning, or an error")
         ->check(CLI::IsMember({"clamp", "refuse"}))->capture_default_str()->group("Running");

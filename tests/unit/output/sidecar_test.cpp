@@ -50,6 +50,20 @@ TEST(Sidecar, SaysWhatIsThere) {
     EXPECT_FALSE(page["png"].contains("uri"));
 }
 
+TEST(Sidecar, ListsLayers) {
+    Sidecar sidecar = example();
+    sidecar.pages[1].layer_file = "my hall.aov1.exr";
+    sidecar.pages[1].layers = {Layer::direct, Layer::valid};
+    const Bytes text = sidecar_text(sidecar);
+    const auto json = nlohmann::json::parse(text.begin(), text.end());
+    EXPECT_FALSE(json["pages"][0].contains("layers"));
+    const auto& layers = json["pages"][1]["layers"];
+    EXPECT_EQ(layers["uri"], "my%20hall.aov1.exr");
+    ASSERT_EQ(layers["parts"].size(), 2u);
+    EXPECT_EQ(layers["parts"][0], nlohmann::json::parse(R"({"name": "direct", "channels": "RGB", "quantity": "irradiance", "unit": "lux"})"));
+    EXPECT_EQ(layers["parts"][1], nlohmann::json::parse(R"({"name": "valid", "channels": "Y", "quantity": "state of the texel"})"));
+}
+
 TEST(Sidecar, OnlyWhatIsNotFinalHasAState) {
     Sidecar preview = example();
     const Bytes final_text = sidecar_text(preview);

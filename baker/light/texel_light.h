@@ -1,0 +1,22 @@
+/// The light of one texel in its parts, for layers beside the lightmap (baker/output/layers.h). One per texel of a
+/// page, in texel order.
+#pragma once
+#include <cstdint>
+
+#include "baker/core/vec.h"
+
+namespace luxel {
+
+struct TexelLight {
+    Rgb direct{0, 0, 0};    ///< irradiance straight from lamps and from the emission of surfaces, lux
+    Rgb indirect{0, 0, 0};  ///< irradiance by way of at least one reflection, lux
+    /// Estimated standard error of the luminance of direct + indirect, relative to that luminance; >= 0. 0 where
+    /// nothing of it was estimated, or where it is dark.
+    float error = 0;
+    std::uint32_t rays = 0;  ///< traced from this texel for its light, shadow rays to lamps included
+
+    /// What the lightmap holds, lux.
+    [[nodiscard]] Rgb irradiance() const { return direct + indirect; }
+};
+
+}  // namespace luxel
