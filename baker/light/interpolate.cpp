@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "baker/core/parallel.h"
-#include "baker/light/cell_links.h"
+#include "baker/light/cell_values.h"
 
 namespace luxel {
 namespace {
@@ -45,22 +45,17 @@ Rgb to_light(const Vec3d& sum) {
             static_cast<float>(std::clamp(sum.z, 0.0, most))};
 }
 
-/// Sum over the cells that are seen. The own cell outweighs what can be seen with negative weights alone (Catmull-Rom:
-/// at least 81 / 256 against 36 / 256), so the sum of weights is well above 0 whichever cells are missing.
-Rgb weigh(const CellWindow& window, std::span<const Rgb> values, const Weights& along_x, const Weights& along_y) {
+Rgb weigh(const CellValues& cells, const Weights& along_x, const Weights& along_y) {
     Vec3d sum(0, 0, 0);
-    double weights = 0;
     for (std::size_t y = 0; y < taps; ++y) {
         if (along_y[y] == 0) continue;
-        for (std::size_t x = 0; x < taps; ++x) {
-            const PatchNumber patch = window.at(static_cast<int>(x) - window_reach, static_cast<int>(y) - window_reach);
-            if (along_x[x] == 0 || patch == no_patch) continue;
-            const double weight = along_x[x] * along_y[y];
-            sum += to_double(values[patch]) * weight;
-            weights += weight;
-        }
+        Vec3d row(0, 0, 0);
+        for (std::size_t x = 0; x < taps; ++x)
+            if (along_x[x] != 0)
+                row += cells.at(static_cast<int>(x) - window_reach, static_cast<int>(y) - window_reach) * along_x[x];
+        sum += row * along_y[y];
     }
-    return to_light(sum / weights);
+    return to_light(sum);
 }
 
 /// Mean of the patches that share a corner of the middle cell, on the side (dx, dy): each -1 or 1.
@@ -85,23 +80,28 @@ class PatchSpread {
 
     /// For the next calls of value().
     struct Around {
-        CellWindow window;
+        PatchNumber patch = no_patch;
+        CellValues cells;              ///< of kernels
         std::array<Vec3d, 4> corners;  ///< Interpolation::corners: (-1, -1), (1, -1), (-1, 1), (1, 1)
     };
     [[nodiscard]] Around around(PatchNumber patch) const {
         const bool is_cubic =
             interpolation_ == Interpolation::cubic_bspline || interpolation_ == Interpolation::catmull_rom;
-        Around result{CellWindow(links_, patch, is_cubic ? 2 : 1), {}};
-        if (interpolation_ == Interpolation::corners)
+        const int reach = is_cubic ? 2 : 1;
+        const CellWindow window(links_, patch, reach);
+        Around result{patch, {}, {}};
+        if (interpolation_ != Interpolation::corners)
+            result.cells = CellValues(window, values_, reach);
+        else
             for (int k = 0; k < 4; ++k)
                 result.corners[static_cast<std::size_t>(k)] =
-                    corner_mean(result.window, values_, k % 2 ? 1 : -1, k / 2 ? 1 : -1);
+                    corner_mean(window, values_, k % 2 ? 1 : -1, k / 2 ? 1 : -1);
         return result;
     }
 
     /// At texel (x, y) of the patch's cell.
     [[nodiscard]] Rgb value(const Around& around, std::uint32_t x, std::uint32_t y) const {
-        if (interpolation_ != Interpolation::corners) return weigh(around.window, values_, table_[x], table_[y]);
+        if (interpolation_ != Interpolation::corners) return weigh(around.cells, table_[x], table_[y]);
         const double u = (x + 0.5) / cell_texels_, v = (y + 0.5) / cell_texels_;
         const auto& c = around.corners;
         return to_light((c[0] * (1 - u) + c[1] * u) * (1 - v) + (c[2] * (1 - u) + c[3] * u) * v);
@@ -161,7 +161,7 @@ std::vector<Rgb> interpolate_page(const Atlas& atlas, const TexelSet& texels, co
             const Texel& texel = content.texels[k];
             if (!content.can_send(texel)) continue;
             // Texels of a patch come in runs.
-            if (const PatchNumber patch = patch_at(texel); patch != around.window.own()) around = spread.around(patch);
+            if (const PatchNumber patch = patch_at(texel); patch != around.patch) around = spread.around(patch);
             const Chart& chart = atlas.charts[texel.chart];
             result[k] = spread.value(around, (texel.x - chart.x) % patch_texels, (texel.y - chart.y) % patch_texels);
         }

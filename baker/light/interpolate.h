@@ -1,8 +1,8 @@
 /// Draft light: irradiance of the patches spread over their texels, without gathering.
 ///
 /// The value of a patch is taken as that of the middle of its cell. Only patches that continue each other's surface
-/// take part (cell_links.h): never across a chart border, nor through a wall that stands on the chart. Where cells are
-/// missing, their weights go to those that are there, in proportion.
+/// take part (cell_links.h): never across a chart border, nor through a wall that stands on the chart. Kernels continue
+/// the slope where cells are missing (cell_values.h); means at corners are those of the patches that are there.
 #pragma once
 #include <array>
 #include <optional>
@@ -20,7 +20,7 @@ enum class Interpolation {
     linear,         ///< bilinear between the middles of the four nearest cells
     cubic_bspline,  ///< cubic B-spline over 4 x 4 cells: smoothest, never outside the values around, but does not keep
                     ///< them
-    catmull_rom,    ///< cubic over 4 x 4 cells through the values in the middles; may overshoot, but not below 0
+    catmull_rom,    ///< cubic over 4 x 4 cells, through the values in the middles; may overshoot, but not below 0
     corners         ///< values averaged at the corners that patches share, then bilinear inside each patch
 };
 
