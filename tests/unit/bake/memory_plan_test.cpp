@@ -53,6 +53,21 @@ TEST(MemoryPlan, TheStatedFloorWorksAndLessDoesNot) {
         }
 }
 
+TEST(MemoryPlan, LayersTakeThePlaceOfTheLightmap) {
+    const std::uint64_t budget = std::uint64_t{1} << 40;
+    // Where pages are large beside the solve, they decide.
+    const Size large_pages{20 * mebibyte, 100, 16, 8192, 1};
+    const auto floor = [&](std::uint64_t layer_bytes_per_texel) {
+        return plan_memory(budget, large_pages.fixed_bytes, large_pages.patch_count, large_pages.chunk_patches, large_pages.page_size,
+                           large_pages.threads, true, SolverKind::shoot, false, layer_bytes_per_texel)
+            .floor_bytes;
+    };
+    const std::uint64_t texels = std::uint64_t{8192} * 8192;
+    EXPECT_EQ(floor(1), floor(0)) << "less than the lightmap takes";
+    EXPECT_EQ(floor(200) - floor(100), 100 * texels);
+    EXPECT_GE(floor(200), 200 * texels);
+}
+
 TEST(MemoryPlan, ConjugateGradientsNeedMoreThanShooting) {
     for (const Size& size : sizes) {
         const std::uint64_t budget = std::uint64_t{1} << 40;
