@@ -60,6 +60,20 @@ struct Lamp {
     Rgb intensity;        ///< cd or lux
     float range = 0;      ///< metres, 0: unlimited
     float cos_inner = 1, cos_outer = 0.70710678f;
+    float radius = 0;      ///< of point and spot, metres; 0: a point
+    float sin_radius = 0;  ///< of directional: sine of half its apparent diameter, below 1; 0: parallel light
+};
+
+/// Light from outside of all surfaces: a picture of all directions by longitude and latitude, each pixel of one luminance.
+///
+/// Row 0 begins straight up (+Y), the last row ends straight down. Unturned, the middle of the picture is +X, a quarter of
+/// its width to the right +Z, to the left -Z, its edges are -X: what three.js and Blender (exported to glTF) show.
+struct SkyMap {
+    std::uint32_t width = 0, height = 0;  ///< 0: there is no sky; 1 x 1: the same light from everywhere
+    std::vector<Rgb> nits;                ///< width * height, >= 0
+    double turn = 0;  ///< radians about +Y, counter-clockwise seen from above: where the picture is turned to
+
+    [[nodiscard]] bool empty() const { return nits.empty(); }
 };
 
 struct Scene {
@@ -77,11 +91,12 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Lamp> lamps;
+    SkyMap sky;
     std::vector<bool> object_has_uv1;  ///< per object: did the file give TEXCOORD_1?
 
     /// Of triangles, objects (paths, contents), sidedness and alpha: what rays can meet.
     Key geometry_key;
-    /// Of materials, textures and lamps: what only the light depends on.
+    /// Of materials, textures, lamps and sky: what only the light depends on.
     Key light_key;
 
     [[nodiscard]] std::size_t triangle_count() const { return triangles.size(); }

@@ -6,6 +6,7 @@
 #include "baker/scene/scene_geometry.h"
 #include "baker/scene/scene_keys.h"
 #include "baker/scene/scene_materials.h"
+#include "baker/scene/scene_sky.h"
 
 namespace luxel {
 
@@ -164,6 +165,7 @@ Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const B
     build_materials(record, used, decode, options, scene, warnings);
     report_missing_uv(record, scene, warnings);
     build_lamps(record, options, scene, warnings);
+    scene.sky = build_sky(record.sky, decode, options, warnings);
     scene.geometry_key = geometry_key_of(scene);
     scene.light_key = light_key_of(scene);
     return scene;

@@ -30,10 +30,23 @@ struct DecodedImage {
 /// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image.
 using ImageDecoder = std::function<std::optional<DecodedImage>(ByteView bytes, const std::string& name)>;
 
+/// The sky that the user asks for, before what the file has.
+struct SkyWish {
+    bool none = false;                              ///< no sky, whatever the file has
+    std::optional<std::array<double, 3>> color{};   ///< nits from everywhere
+    std::optional<DecodedImage> picture{};          ///< nits by longitude and latitude (SkyMap)
+    std::string picture_name{};                     ///< for messages
+    double turn_degrees = 0;  ///< of any sky, about +Y, counter-clockwise seen from above
+    double scale = 1;         ///< factor of any sky, >= 0
+};
+
 struct BuildOptions {
     bool textures = true;  ///< false: textures count as white, for a first look or for tests
     BadValues bad_values = BadValues::clamp;
-    std::string file;  ///< named in errors
+    std::string file{};  ///< named in errors
+    double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
+    double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none
+    SkyWish sky{};
 };
 
 Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,

@@ -88,7 +88,11 @@ Key light_key_of(const Scene& scene) {
         add_rgb(key, lamp.direction);
         key.number(static_cast<double>(lamp.range)).number(static_cast<double>(lamp.cos_inner));
         key.number(static_cast<double>(lamp.cos_outer));
+        if (lamp.radius > 0 || lamp.sin_radius > 0)
+            key.text("size").number(static_cast<double>(lamp.radius)).number(static_cast<double>(lamp.sin_radius));
     }
+    if (!scene.sky.empty())
+        key.text("sky").integer(scene.sky.width).integer(scene.sky.height).number(scene.sky.turn).bytes(bytes_of(scene.sky.nits));
     return key.finish();
 }
 

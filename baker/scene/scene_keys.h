@@ -11,7 +11,7 @@ std::uint64_t content_hash_of(const PrimitiveRecord& primitive);
 /// What rays can meet: origin, vertices, triangles, objects, sidedness, alpha (with the alpha of its textures).
 Key geometry_key_of(const Scene& scene);
 
-/// What only the light depends on: which material an object has, materials, texture pixels, lamps.
+/// What only the light depends on: which material an object has, materials, texture pixels, lamps, sky.
 Key light_key_of(const Scene& scene);
 
 }  // namespace luxel

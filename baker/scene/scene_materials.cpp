@@ -165,12 +165,30 @@ bool usable(const Vec3d& v) {
 }
 
 void set_cone(const LampRecord& record, Lamp& lamp, const std::string& where, std::vector<Warning>& warnings) {
-    const bool fits = record.inner_cone >= 0 && record.inner_cone <= record.outer_cone && record.outer_cone <= 0.5 * pi + 1e-6;
+    const bool fits = record.inner_cone >= 0 && record.inner_cone <= record.outer_cone && record.outer_cone > 0 &&
+                      record.outer_cone <= 0.5 * pi + 1e-6;
     const double outer = record.outer_cone > 0 ? std::min(record.outer_cone, 0.5 * pi) : 0.25 * pi;
     const double inner = record.inner_cone > 0 ? std::min(record.inner_cone, outer) : 0.0;
-    if (!fits) warnings.push_back({"lamp-cone", where, "spot cone angles were not 0 <= inner <= outer <= pi/2: limited"});
+    if (!fits) warnings.push_back({"lamp-cone", where, "spot cone angles were not 0 <= inner <= outer, 0 < outer <= pi/2: limited"});
     lamp.cos_inner = static_cast<float>(std::cos(inner));
     lamp.cos_outer = static_cast<float>(std::cos(outer));
+}
+
+/// Apparent diameters of lamps at infinity end short of half the sky: half of it would be more than a lamp.
+constexpr double widest_lamp_degrees = 170;
+
+void set_size(const LampRecord& record, const BuildOptions& options, Lamp& lamp, const std::string& where,
+              std::vector<Warning>& warnings) {
+    if (record.kind == LampKind::directional) {
+        const double wanted = record.angle_degrees >= 0 ? record.angle_degrees : options.sun_angle_degrees;
+        const double angle = std::min(wanted, widest_lamp_degrees);
+        if (angle < wanted)
+            warnings.push_back({"lamp-size", where, "angle: expected at most 170 degrees, found " + std::to_string(wanted) + ": 170 is used"});
+        lamp.sin_radius = static_cast<float>(std::sin(angle * pi / 360));
+    } else {
+        const double radius = record.radius >= 0 ? record.radius : options.lamp_radius;
+        lamp.radius = std::isfinite(radius) && radius < 1e18 ? static_cast<float>(radius) : 0.0f;
+    }
 }
 
 }  // namespace
@@ -221,6 +239,7 @@ void build_lamps(const SceneRecord& record, const BuildOptions& options, Scene& 
         lamp.intensity = {static_cast<float>(intensity[0]), static_cast<float>(intensity[1]), static_cast<float>(intensity[2])};
         lamp.range = from.range > 0 && std::isfinite(from.range) ? static_cast<float>(from.range) : 0.0f;
         if (from.kind == LampKind::spot) set_cone(from, lamp, where, warnings);
+        set_size(from, options, lamp, where, warnings);
         scene.lamps.push_back(std::move(lamp));
     }
 }

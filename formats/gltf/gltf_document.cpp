@@ -123,7 +123,7 @@ void check_version(const json& root, const std::string& name) {
 bool is_known_extension(const std::string& name) {
     static const std::set<std::string> known{
         "KHR_mesh_quantization", "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
-        "KHR_texture_transform", "KHR_lights_punctual", "EXT_mesh_gpu_instancing", "KHR_texture_basisu",
+        "KHR_texture_transform", "KHR_lights_punctual", "EXT_lights_image_based", "EXT_mesh_gpu_instancing", "KHR_texture_basisu",
         "EXT_texture_webp", "MOZ_lightmap", "KHR_xmp_json_ld"};
     return known.contains(name) || name.rfind("KHR_materials_", 0) == 0;
 }

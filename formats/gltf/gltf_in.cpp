@@ -6,6 +6,7 @@
 #include "formats/gltf/gltf_materials.h"
 #include "formats/gltf/gltf_nodes.h"
 #include "formats/gltf/gltf_primitive.h"
+#include "formats/gltf/gltf_sky.h"
 
 namespace luxel {
 
@@ -86,6 +87,7 @@ SceneRecord read_scene(const GltfDocument& document, const ReadOptions& options)
     if (gltf_count(document.json, "animations") > 0)
         record.warnings.push_back({"animation-rest-pose", document.name, "animations are ignored: the scene is baked at rest"});
     read_nodes(document, options.scene, record);
+    read_sky(document, options, record);
     read_materials(document, options.external_images, record);
 
     std::set<int> shown;

@@ -148,7 +148,7 @@ ImageRecord describe_image(const GltfDocument& document, std::int64_t index) {
 
 /// A picture that cannot be had is no reason to stop: the material's factor stands for it.
 void load_image(const GltfDocument& document, std::int64_t index, bool external_images, ImageRecord& image,
-                std::vector<Warning>& warnings) {
+                const char* instead, std::vector<Warning>& warnings) {
     const json& item = gltf_item(document.json, "images", index, document.name);
     const std::string where = document.name + ": image \"" + image.name + "\"";
     try {
@@ -166,12 +166,18 @@ void load_image(const GltfDocument& document, std::int64_t index, bool external_
         image.bytes = read_uri(document, uri, where, &mime_type);
         if (image.mime_type.empty()) image.mime_type = mime_type;
     } catch (const Error& problem) {
-        warnings.push_back({"image-missing", problem.where, problem.what_text + "; the texture counts as white"});
+        warnings.push_back({"image-missing", problem.where, problem.what_text + instead});
         image.bytes.clear();
     }
 }
 
 }  // namespace
+
+ImageRecord read_image(const GltfDocument& document, std::int64_t index, bool external_images, std::vector<Warning>& warnings) {
+    ImageRecord image = describe_image(document, index);
+    load_image(document, index, external_images, image, "", warnings);
+    return image;
+}
 
 void read_materials(const GltfDocument& document, bool external_images, SceneRecord& record) {
     const std::size_t texture_count = gltf_count(document.json, "textures");
@@ -196,7 +202,8 @@ void read_materials(const GltfDocument& document, bool external_images, SceneRec
     for (std::size_t i = 0; i < gltf_count(document.json, "images"); ++i) {
         record.images.push_back(describe_image(document, static_cast<std::int64_t>(i)));
         if (used_images.contains(static_cast<int>(i)))
-            load_image(document, static_cast<std::int64_t>(i), external_images, record.images.back(), record.warnings);
+            load_image(document, static_cast<std::int64_t>(i), external_images, record.images.back(),
+                       "; the texture counts as white", record.warnings);
     }
 }
 

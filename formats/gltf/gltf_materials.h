@@ -14,4 +14,7 @@ namespace luxel {
 /// Fills record.materials, textures and images; appends warnings. `external_images`: read files beside the document too.
 void read_materials(const GltfDocument& document, bool external_images, SceneRecord& record);
 
+/// Image `index` of the document, for who else needs pictures. Bytes that cannot be had are empty, with a warning.
+ImageRecord read_image(const GltfDocument& document, std::int64_t index, bool external_images, std::vector<Warning>& warnings);
+
 }  // namespace luxel

@@ -59,6 +59,19 @@ std::string escaped(const std::string& name) {
     return out;
 }
 
+/// Custom properties "radius" and "angle" of `extras`, which may be anything and belong to whoever wrote them: what is
+/// no number is somebody else's.
+void read_lamp_size(const json& owner, LampRecord& lamp, const std::string& where) {
+    const auto extras = owner.find("extras");
+    if (extras == owner.end() || !extras->is_object()) return;
+    const auto number = [&](const char* key, double& value) {
+        const auto found = extras->find(key);
+        if (found != extras->end() && found->is_number()) value = json_number(*extras, key, value, where + ": extras");
+    };
+    if (lamp.kind == LampKind::directional) number("angle", lamp.angle_degrees);
+    else number("radius", lamp.radius);
+}
+
 class NodeWalk {
   public:
     NodeWalk(const GltfDocument& document, SceneRecord& record)
@@ -220,6 +233,10 @@ class NodeWalk {
         const double intensity = json_number(light, "intensity", 1, here);
         for (std::size_t c = 0; c < 3; ++c) lamp.intensity[c] = color[c] * intensity;
         lamp.range = json_number(light, "range", 0, here);
+        if (light.contains("range") && !(lamp.range > 0))
+            record_.warnings.push_back({"lamp-range", here, "range: expected more than 0: counts as unlimited"});
+        read_lamp_size(light, lamp, here);
+        read_lamp_size(node, lamp, where);
         const json& spot = json_object(light, "spot", here);
         lamp.inner_cone = json_number(spot, "innerConeAngle", lamp.inner_cone, here);
         lamp.outer_cone = json_number(spot, "outerConeAngle", lamp.outer_cone, here);

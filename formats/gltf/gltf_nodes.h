@@ -3,6 +3,8 @@
 /// Units    metres; world matrices in double precision, row vectors (p' = p * M).
 /// Errors   Error{bad_input} naming the node: a cycle, a node with two parents, deeper than 1024 levels, bad indices.
 /// Threads  pure functions.
+/// Sizes    of lamps, which KHR_lights_punctual does not know: "radius" (metres; point, spot) and "angle" (degrees; directional)
+///          in `extras` of the light or, before that, of the node.
 /// Source   glTF 2.0 specification, section 3.5; KHR_lights_punctual; EXT_mesh_gpu_instancing.
 #pragma once
 #include "formats/gltf/gltf_document.h"

@@ -89,7 +89,20 @@ struct LampRecord {
     std::array<double, 3> intensity{0, 0, 0};  ///< color * intensity: cd (point, spot) or lux (directional)
     double range = 0;                          ///< metres; 0: unlimited
     double inner_cone = 0, outer_cone = 0.7853981633974483;  ///< radians
+    /// Size, from `extras` of the node or else of the light; negative: the file gives none.
+    double radius = -1;         ///< of point and spot, metres
+    double angle_degrees = -1;  ///< of directional: apparent diameter
     Imath::M44d world;
+};
+
+/// The scene's EXT_lights_image_based light, as far as it is read: the largest mip of its cubemap.
+struct SkyRecord {
+    bool is_there = false;
+    std::string where;                             ///< for messages
+    std::array<double, 4> rotation{0, 0, 0, 1};    ///< quaternion x, y, z, w: from the cubemap's axes to the scene's
+    double intensity = 1;                          ///< factor of the pictures
+    /// +X, -X, +Y, -Y, +Z, -Z, each as it is seen from the middle of the cube; bytes are empty where a picture is missing.
+    std::array<ImageRecord, 6> faces;
 };
 
 struct SceneRecord {
@@ -99,6 +112,7 @@ struct SceneRecord {
     std::vector<MeshRecord> meshes;
     std::vector<InstanceRecord> instances;
     std::vector<LampRecord> lamps;
+    SkyRecord sky;
     std::vector<Warning> warnings;
 };
 

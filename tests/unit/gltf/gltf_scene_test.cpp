@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "formats/gltf/gltf_in.h"
@@ -188,6 +189,59 @@ TEST(GltfNodes, Lamps) {
     made.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 2;
     EXPECT_THAT(bad_input_of([&] { read_scene(made.document()); }), HasSubstr("\"area\""));
     made.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 3;
+    EXPECT_NE(bad_input_of([&] { read_scene(made.document()); }), "");
+}
+
+TEST(GltfNodes, SizesOfLamps) {
+    MadeGltf made;
+    made.primitive(made.square());
+    auto& lights = made.json["extensions"]["KHR_lights_punctual"]["lights"];
+    lights = json::parse(R"([{"type":"point","range":0}, {"type":"directional","extras":{"angle":0.5,"radius":9}}])");
+    made.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+    SceneRecord record = read_scene(made.document());
+    EXPECT_LT(record.lamps[0].radius, 0) << "none is given";
+    EXPECT_EQ(std::ranges::count(record.warnings, "lamp-range", &Warning::code), 1);
+    lights[0]["extras"]["radius"] = 0.25;
+    EXPECT_EQ(read_scene(made.document()).lamps[0].radius, 0.25);
+    made.json["nodes"][0]["extras"] = json::parse(R"({"radius":0,"angle":3})");
+    record = read_scene(made.document());
+    EXPECT_EQ(record.lamps[0].radius, 0) << "the node knows better than the light that it shares";
+    EXPECT_LT(record.lamps[0].angle_degrees, 0) << "a point has no angle";
+    for (const char* other : {R"("text")", R"([1])", R"({"radius":"wide"})", "7"}) {
+        made.json["nodes"][0]["extras"] = json::parse(other);
+        EXPECT_EQ(read_scene(made.document()).lamps[0].radius, 0.25) << other << " is somebody else's";
+    }
+    made.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 1;
+    EXPECT_EQ(read_scene(made.document()).lamps[0].angle_degrees, 0.5);
+}
+
+TEST(GltfSky, TheLargestMipOfTheScenesLight) {
+    MadeGltf made;
+    made.primitive(made.square());
+    EXPECT_FALSE(read_scene(made.document()).sky.is_there);
+    for (int k = 0; k < 12; ++k)
+        made.json["images"].push_back({{"uri", "data:image/png;base64,QU" + std::string(1, static_cast<char>('A' + k)) + "B"}});
+    made.json["extensionsUsed"] = {"EXT_lights_image_based"};
+    made.json["extensionsRequired"] = {"EXT_lights_image_based"};
+    auto& light = made.json["extensions"]["EXT_lights_image_based"]["lights"];
+    light = json::parse(R"([{"intensity":3,"rotation":[0,1,0,0],"specularImages":[[5,4,3,2,1,0],[6,7,8,9,10,11]],"specularImageSize":4}])");
+    EXPECT_FALSE(read_scene(made.document()).sky.is_there) << "no scene asks for it";
+    made.json["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 0;
+    const SceneRecord record = read_scene(made.document());
+    ASSERT_TRUE(record.sky.is_there);
+    EXPECT_EQ(record.sky.intensity, 3);
+    EXPECT_THAT(record.sky.rotation, ElementsAre(0, 1, 0, 0));
+    std::string contents;  // the letter k of the base64 text, as a digit
+    for (const ImageRecord& face : record.sky.faces) {
+        ASSERT_EQ(face.bytes.size(), 3u);
+        contents += static_cast<char>('0' + 4 * (face.bytes[1] - 64) + face.bytes[2] / 64);
+    }
+    EXPECT_EQ(contents, "543210");
+    for (const char* bad : {R"([])", R"([[0,1,2,3,4]])", R"([[0,1,2,3,4,99]])", R"([[0,1,2,3,4,-1]])", R"([7])", R"([[0,1,2,3,4,"x"]])"}) {
+        light[0]["specularImages"] = json::parse(bad);
+        EXPECT_NE(bad_input_of([&] { read_scene(made.document()); }), "") << bad;
+    }
+    made.json["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 1;
     EXPECT_NE(bad_input_of([&] { read_scene(made.document()); }), "");
 }
 
