@@ -26,7 +26,8 @@ enum class FileKind : std::uint32_t {
     accuracy = 10,  ///< standard error per patch
     patches = 11,   ///< bake/patches_file
     directory = 12, ///< bake/directory_file
-    checkpoint = 13 ///< a solve that has not ended
+    checkpoint = 13, ///< a solve that has not ended
+    sky_view = 14   ///< bake/sky_view_file
 };
 
 /// Stored with each block: never renumber.
