@@ -12,6 +12,7 @@
 #include "baker/light/lamps.h"
 #include "baker/light/light_sum.h"
 #include "baker/light/near_light.h"
+#include "baker/light/sky_gather.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/ray_offset.h"
 
@@ -42,13 +43,13 @@ class TexelGather {
                                      {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
         const std::uint64_t own_seed = seed(texel);
         const SobolSequence sequence(own_seed);
-        return indirect(sampler, sequence, own_seed) + direct(sampler, sequence);
+        return indirect(sampler, sequence, own_seed) + direct(sampler, sequence, own_seed);
     }
 
   private:
     /// How the rays of a texel are shared out, and where emitters are likely.
     struct Plan {
-        std::uint32_t cosine_rays = 0, aimed_rays = 0;
+        std::uint32_t cosine_rays = 0, aimed_rays = 0, sky_rays = 0;
         std::vector<float> probability;  ///< per cluster of emitters
     };
 
@@ -63,6 +64,7 @@ class TexelGather {
     [[nodiscard]] Plan plan(const SurfaceSampler& sampler) const {
         Plan plan;
         plan.cosine_rays = options_.rays;
+        plan.sky_rays = aimed_sky_rays(in_.sky, options_.rays);
         if (!options_.aim_at_emitters || in_.emitters.empty() || options_.rays < 2) return plan;
         const SurfacePoint middle = sampler.point(0.5f, 0.5f);
         const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.probability);
@@ -89,6 +91,7 @@ class TexelGather {
                        std::min<std::uint32_t>(shares.aimed_rays, begin + batch_rays), batch);
             for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, sum);
         }
+        if (shares.sky_rays) add_aimed_sky(in_, sampler, shares.cosine_rays, shares.sky_rays, own_seed, sum);
         return sum.rgb();
     }
 
@@ -142,6 +145,8 @@ class TexelGather {
     void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, const NearLight& near,
                     std::vector<NearVertex>& vertices, LightSum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
+        if (at.end == RayEnd::open)
+            sum.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], shares.cosine_rays, shares.sky_rays), 1.0f);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
         const float share = 1.0f / static_cast<float>(shares.cosine_rays);
@@ -167,13 +172,15 @@ class TexelGather {
                (static_cast<float>(shares.cosine_rays) * by_cosine + static_cast<float>(shares.aimed_rays) * aimed);
     }
 
-    [[nodiscard]] Rgb direct(const SurfaceSampler& sampler, const SobolSequence& sequence) const {
+    [[nodiscard]] Rgb direct(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
         Rgb sum(0, 0, 0);
         if (lamps_.empty()) return sum;
+        const SobolSequence on_lamps(mix(own_seed, 0x6f6e6c616d70));
         for (std::uint32_t k = 0; k < options_.lamp_points; ++k) {
             const auto u = sequence.point(k);
             const SurfacePoint at = sampler.point(u[0], u[1]);
-            sum += lamps_.irradiance({at.position, at.normal, sampler.shading_normal(at), at.triangle}, u[2]);
+            const auto on_lamp = on_lamps.point(k);
+            sum += lamps_.irradiance({at.position, at.normal, sampler.shading_normal(at), at.triangle}, u[2], {on_lamp[0], on_lamp[1]});
         }
         return sum / static_cast<float>(options_.lamp_points);
     }

@@ -26,6 +26,8 @@ struct GatherOptions {
     const StopRequest* stop = nullptr;  ///< looked at before each texel
 };
 
+class Sky;
+
 struct GatherInput {
     const Scene& scene;
     const Atlas& atlas;
@@ -36,6 +38,7 @@ struct GatherInput {
     /// B - M per patch number, lm/m2: radiosity without self-emission, which may be so much brighter that a float of both has
     /// lost it.
     std::span<const Rgb> reflected;
+    const Sky* sky = nullptr;  ///< null: there is none
 };
 
 /// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, light

@@ -31,7 +31,9 @@ LampTable::LampTable(std::span<const Lamp> lamps, const Vec3f& place, float arou
 LampTable::Choice LampTable::choose(float random) const {
     const auto entry = std::upper_bound(entries_.begin(), entries_.end() - 1, random,
                                         [](float value, const Entry& e) { return value < e.up_to; });
-    return {entry->lamp, entry->probability};
+    const float before = entry == entries_.begin() ? 0.0f : (entry - 1)->up_to;
+    const float rest = (random - before) / std::max(entry->up_to - before, 1e-30f);
+    return {entry->lamp, entry->probability, std::clamp(rest, 0.0f, 0x1.fffffep-1f)};
 }
 
 }  // namespace luxel

@@ -16,6 +16,7 @@ class LampTable {
     struct Choice {
         std::uint32_t lamp = 0;
         float probability = 0;  ///< > 0
+        float rest = 0;         ///< what the choice has left of `random`: again uniform in [0, 1)
     };
     [[nodiscard]] bool empty() const { return entries_.empty(); }
     /// For `random` in [0, 1). Not empty.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/core/sampling.h"
+#include "baker/core/units.h"
 #include "baker/trace/ray_offset.h"
 
 namespace luxel {
@@ -19,20 +21,11 @@ struct Contribution {
     Rgb irradiance;
 };
 
-}  // namespace
-
-Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& normal) {
-    if (lamp.kind == LampKind::directional) return lamp.intensity * std::max(0.0f, -lamp.direction.dot(normal));
-    const Vec3f to_lamp = lamp.position - position;
-    const float d2 = to_lamp.dot(to_lamp);
-    if (!(d2 > 0)) return {0, 0, 0};
-    const float d = std::sqrt(d2);
-    const float cosine = to_lamp.dot(normal) / d;
-    if (cosine <= 0) return {0, 0, 0};
-    float scale = cosine / d2;
+/// What cone and range leave of `scale` at the distance d (> 0) along `to_lamp`.
+float beam(const Lamp& lamp, const Vec3f& to_lamp, float d, float scale) {
     if (lamp.kind == LampKind::spot) {
         const float along = -lamp.direction.dot(to_lamp) / d;
-        const float span = std::max(lamp.cos_inner - lamp.cos_outer, 1e-6f);
+        const float span = std::max(lamp.cos_inner - lamp.cos_outer, 1e-3f);
         const float edge = std::clamp((along - lamp.cos_outer) / span, 0.0f, 1.0f);
         scale *= edge * edge;
     }
@@ -40,7 +33,57 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
         const float share = d / lamp.range;
         scale *= std::clamp(1 - share * share * share * share, 0.0f, 1.0f);
     }
-    return lamp.intensity * scale;
+    return scale;
+}
+
+/// A sized lamp as a point sees it.
+struct SizedView {
+    Vec3f axis;            ///< unit, to its centre
+    float distance = 0;    ///< of its centre; of no meaning for directional lamps
+    float sine = 0;        ///< of half its apparent diameter; 1: the point is inside
+    Rgb perpendicular;     ///< irradiance of a plane that faces it, or of any plane inside, lux
+    [[nodiscard]] bool inside() const { return sine >= 1; }
+};
+
+bool is_sized(const Lamp& lamp) { return lamp.kind == LampKind::directional ? lamp.sin_radius > 0 : lamp.radius > 0; }
+
+SizedView view_of(const Lamp& lamp, const Vec3f& position) {
+    if (lamp.kind == LampKind::directional) return {-lamp.direction, INFINITY, lamp.sin_radius, lamp.intensity};
+    const Vec3f to_lamp = lamp.position - position;
+    const float d = to_lamp.length();
+    const float scale = d > 0 ? beam(lamp, to_lamp, d, 1) : 1.0f;
+    if (!(d > lamp.radius)) return {{0, 1, 0}, d, 1, lamp.intensity * (scale / (lamp.radius * lamp.radius))};
+    return {to_lamp / d, d, std::min(lamp.radius / d, 0.999999f), lamp.intensity * (scale / (d * d))};
+}
+
+}  // namespace
+
+float cone_form_factor(float cosine, float sine) {
+    // In double: the two terms of a cone that the horizon cuts nearly cancel when it is narrow.
+    const double c = static_cast<double>(cosine), s = static_cast<double>(sine);
+    if (c >= s) return static_cast<float>(c * s * s);
+    if (c <= -s) return 0;
+    const double cotangent = std::sqrt(1 - s * s) / s;
+    const double across = std::sqrt(std::max(0.0, 1 - c * c));
+    const double cut = std::sqrt(std::max(0.0, 1 - c * c / (s * s)));
+    const double inner = c * std::acos(std::clamp(-c * cotangent / across, -1.0, 1.0)) - cut * cotangent;
+    return static_cast<float>(std::max(0.0, (inner * s * s + std::atan(cut / cotangent)) / pi));
+}
+
+Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& normal) {
+    if (is_sized(lamp)) {
+        const SizedView view = view_of(lamp, position);
+        if (view.inside()) return view.perpendicular;
+        return view.perpendicular * (cone_form_factor(view.axis.dot(normal), view.sine) / (view.sine * view.sine));
+    }
+    if (lamp.kind == LampKind::directional) return lamp.intensity * std::max(0.0f, -lamp.direction.dot(normal));
+    const Vec3f to_lamp = lamp.position - position;
+    const float d2 = to_lamp.dot(to_lamp);
+    if (!(d2 > 0)) return {0, 0, 0};
+    const float d = std::sqrt(d2);
+    const float cosine = to_lamp.dot(normal) / d;
+    if (cosine <= 0) return {0, 0, 0};
+    return lamp.intensity * beam(lamp, to_lamp, d, cosine / d2);
 }
 
 bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
@@ -61,12 +104,48 @@ bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
     return !tracer_.occluded(ray, distance);
 }
 
-Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at) const {
-    const Rgb light = unshadowed_irradiance(scene_.lamps[lamp], at.position, at.shading_normal);
-    return light != Rgb(0, 0, 0) && visible(scene_.lamps[lamp], at) ? light : Rgb(0, 0, 0);
+/// Directions over the lamp with a density that goes with their cosine against its axis, so that a plane which faces the
+/// lamp gets the same from each. Inside: over the point's own hemisphere.
+Rgb LampLight::sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lamp) const {
+    const SizedView view = view_of(lamp, at.position);
+    const Frame frame(view.inside() ? at.shading_normal : view.axis);
+    TraceRay ray;
+    ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
+    ray.from_triangle = at.triangle;
+    float sum = 0;
+    static_assert(size_samples == 4);
+    for (int k = 0; k < size_samples; ++k) {
+        // One point in each quarter of the square.
+        Vec3f local = cosine_direction(0.5f * (static_cast<float>(k & 1) + on_lamp.x), 0.5f * (static_cast<float>(k >> 1) + on_lamp.y));
+        local.x *= view.sine, local.y *= view.sine;
+        local.z = std::sqrt(std::max(1e-12f, 1 - local.x * local.x - local.y * local.y));
+        ray.direction = frame.to_world(local).normalized();
+        const float cosine = ray.direction.dot(at.shading_normal);
+        if (cosine <= 0 || ray.direction.dot(at.geometric_normal) <= 0) continue;
+        float distance = INFINITY;
+        if (lamp.kind != LampKind::directional) {
+            const Vec3f to_lamp = lamp.position - at.position;
+            const float along = to_lamp.dot(ray.direction);
+            const float half_chord = std::sqrt(std::max(0.0f, lamp.radius * lamp.radius - (to_lamp - ray.direction * along).length2()));
+            distance = view.inside() ? along + half_chord : along - half_chord;
+        }
+        if (!tracer_.occluded(ray, distance)) sum += view.inside() ? 1.0f : cosine / local.z;
+    }
+    return view.perpendicular * (sum / size_samples);
 }
 
-Rgb LampLight::irradiance(const LightPoint& at, float random) const {
+Rgb LampLight::shadowed(const Lamp& lamp, const Rgb& unshadowed, const LightPoint& at, const Vec2f& on_lamp) const {
+    if (is_sized(lamp)) return sized(lamp, at, on_lamp);
+    return visible(lamp, at) ? unshadowed : Rgb(0, 0, 0);
+}
+
+Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec2f& on_lamp) const {
+    const Rgb light = unshadowed_irradiance(scene_.lamps[lamp], at.position, at.shading_normal);
+    return light != Rgb(0, 0, 0) ? shadowed(scene_.lamps[lamp], light, at, on_lamp) : Rgb(0, 0, 0);
+}
+
+Rgb LampLight::irradiance(const LightPoint& at, float random, const Vec2f& on_lamp) const {
+    const auto light_of = [&](const Contribution& c) { return shadowed(scene_.lamps[c.lamp], c.irradiance, at, on_lamp); };
     std::vector<Contribution> candidates;
     float total = 0;
     for (std::uint32_t k = 0; k < scene_.lamps.size(); ++k) {
@@ -82,12 +161,11 @@ Rgb LampLight::irradiance(const LightPoint& at, float random) const {
     float rest = total;
     for (; k < candidates.size() && rest > weak_share * total; ++k) {
         rest -= candidates[k].strength;
-        if (visible(scene_.lamps[candidates[k].lamp], at)) sum += candidates[k].irradiance;
+        sum += light_of(candidates[k]);
     }
     const std::size_t weak_begin = k;
     if (candidates.size() - weak_begin <= static_cast<std::size_t>(weak_samples)) {
-        for (; k < candidates.size(); ++k)
-            if (visible(scene_.lamps[candidates[k].lamp], at)) sum += candidates[k].irradiance;
+        for (; k < candidates.size(); ++k) sum += light_of(candidates[k]);
         return sum;
     }
     float weak_total = 0;
@@ -103,8 +181,8 @@ Rgb LampLight::irradiance(const LightPoint& at, float random) const {
             ++picks;
             ++next;
         }
-        if (picks && visible(scene_.lamps[candidates[k].lamp], at))
-            sum += candidates[k].irradiance *
+        if (picks)
+            sum += light_of(candidates[k]) *
                    (static_cast<float>(picks) * weak_total / (weak_samples * candidates[k].strength));
     }
     return sum;

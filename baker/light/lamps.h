@@ -1,8 +1,13 @@
 /// Direct light of KHR_lights_punctual lamps at a point.
 ///
-/// point, spot   E = I cos(theta) / d^2; spot times clamp((cos a - cos outer) / (cos inner - cos outer), 0, 1)^2;
+/// point, spot   E = I cos(theta) / d^2; spot times clamp((cos a - cos outer) / max(cos inner - cos outer, 0.001), 0, 1)^2;
 ///               with a range: times clamp(1 - (d / range)^4, 0, 1). directional: E = lux * cos(theta).
-/// Source        the extension's text (falloff and range windows as recommended there).
+/// sized         a point or spot lamp with a radius R is a sphere of luminance I / (pi R^2): from far away, or while it is
+///               wholly above the horizon of the point, it gives what a point would. Cone and range are those of its
+///               centre: size softens shadows, not the beam. A directional lamp with an apparent diameter is a disk of even
+///               luminance on the sky. Inside its sphere a lamp is all around: E = I / R^2.
+/// Source        the extension's text (falloff and range windows as recommended there); spheres: Lambert's projected solid
+///               angle of a cone, cut by the horizon as in Snyder, Area Light Sources for Real-Time Graphics, 1996.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -22,19 +27,29 @@ struct LightPoint {
 /// Irradiance of one lamp without shadows, lux.
 Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& normal);
 
+/// Share of a plane's cosine-weighted hemisphere that a cone of directions covers: a sphere of relative radius `sine` < 1
+/// (radius over distance) whose centre is at `cosine` from the plane's normal.
+float cone_form_factor(float cosine, float sine);
+
 class LampLight {
   public:
+    /// Shadow rays to each sized lamp that is tested.
+    static constexpr int size_samples = 4;
+
     /// References must outlive it.
     LampLight(const Scene& scene, const Tracer& tracer) : scene_(scene), tracer_(tracer) {}
     [[nodiscard]] bool empty() const { return scene_.lamps.empty(); }
-    /// Irradiance of all lamps, lux. The strongest lamps get a shadow ray each; of the many weak ones a few are chosen in
-    /// proportion to what they would give, so that the mean over `random` in [0, 1) is exact.
-    [[nodiscard]] Rgb irradiance(const LightPoint& at, float random) const;
-    /// Of one lamp, with its shadow, lux. `lamp`: index into Scene::lamps.
-    [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at) const;
+    /// Irradiance of all lamps, lux. The strongest lamps get a shadow ray each, sized ones size_samples; of the many weak ones
+    /// a few are chosen in proportion to what they would give. The mean over `random` in [0, 1) and `on_lamp` in the unit
+    /// square is exact.
+    [[nodiscard]] Rgb irradiance(const LightPoint& at, float random, const Vec2f& on_lamp) const;
+    /// Of one lamp, with its shadow, lux; the mean over `on_lamp` is exact. `lamp`: index into Scene::lamps.
+    [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec2f& on_lamp) const;
 
   private:
     [[nodiscard]] bool visible(const Lamp& lamp, const LightPoint& at) const;
+    [[nodiscard]] Rgb shadowed(const Lamp& lamp, const Rgb& unshadowed, const LightPoint& at, const Vec2f& on_lamp) const;
+    [[nodiscard]] Rgb sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lamp) const;
     const Scene& scene_;
     const Tracer& tracer_;
 };

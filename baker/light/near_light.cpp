@@ -6,6 +6,7 @@
 #include "baker/core/sampling.h"
 #include "baker/core/units.h"
 #include "baker/light/lamps.h"
+#include "baker/light/sky_gather.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/ray_offset.h"
 
@@ -68,6 +69,7 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
         for (const NearVertex& at : vertices) random.push_back(sequence.point(at.ray));
         if (!lamps_->empty()) add_lamps(vertices, random, sum);
         if (!emitter_probability_.empty()) add_aimed(vertices, depth, sum);
+        add_aimed_sky(in_, vertices, mix(seed_, depth), sum);
         follow(vertices, random, depth, sum);
     }
 }
@@ -78,7 +80,7 @@ void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const 
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];
         const LampTable::Choice choice = lamps_->choose(random[k][2]);
-        sum.add(light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}) / choice.probability,
+        sum.add(light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}, {choice.rest, random[k][3]}) / choice.probability,
                 at.throughput);
     }
 }
@@ -127,6 +129,8 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
     for (std::size_t k = 0; k < rays.count; ++k) {
         const NearVertex& from = vertices[rays.vertex[k]];
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, rays.hits[k]);
+        if (at.end == RayEnd::open)
+            sum.add(open_ray_light(in_.sky, rays.rays[k].direction, rays.cosine[k], 1, aimed_sky_rays(in_.sky, 1)), from.throughput);
         if (at.end != RayEnd::patch) continue;
         const Patch& patch = in_.patches.patches[at.patch];
         if (patch.emission != Rgb(0, 0, 0))

@@ -89,9 +89,9 @@ struct LitFloor {
         test::add_object(made, "plate", quad({0, 1, -5}, {0, 0, 10}, {5, 0, 0}), 2);
         return made;
     }
-    [[nodiscard]] Rgb at(float x, float z, float random = 0.5f) const {
+    [[nodiscard]] Rgb at(float x, float z, float random = 0.5f, const Vec2f& on_lamp = {0.5f, 0.5f}) const {
         // Triangle 0 holds x < z, triangle 1 the rest of the floor.
-        return LampLight(scene, tracer).irradiance({{x, 0, z}, {0, 1, 0}, {0, 1, 0}, x < z ? 0u : 1u}, random);
+        return LampLight(scene, tracer).irradiance({{x, 0, z}, {0, 1, 0}, {0, 1, 0}, x < z ? 0u : 1u}, random, on_lamp);
     }
     Scene scene;
     Tracer tracer;
@@ -122,7 +122,7 @@ TEST(LampLight, ShadingNormalsNeverLightTheBack) {
     floor.scene.lamps = {point_lamp({-4, -0.1f, 0}, 5)};
     const LightPoint at{{-3, 0, 0.5f}, {0, 1, 0}, Vec3f(-1, 0.1f, 0).normalized(), 0};
     EXPECT_GT(unshadowed_irradiance(floor.scene.lamps[0], at.position, at.shading_normal).x, 0);
-    EXPECT_EQ(LampLight(floor.scene, floor.tracer).irradiance(at, 0.5f), Rgb(0, 0, 0));
+    EXPECT_EQ(LampLight(floor.scene, floor.tracer).irradiance(at, 0.5f, {0.5f, 0.5f}), Rgb(0, 0, 0));
 }
 
 /// The mean over `random` is the sum over all lamps, shadows included, however few of the weak ones are tested at a

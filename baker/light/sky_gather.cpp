@@ -1,0 +1,60 @@
+#include "baker/light/sky_gather.h"
+
+#include <cmath>
+
+#include "baker/core/sobol.h"
+#include "baker/core/units.h"
+#include "baker/trace/ray_offset.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::uint64_t place_purpose = 0x736b79706c, aim_purpose = 0x736b796169;
+
+/// Radiance times cosine over what both kinds of rays together look into this direction.
+Rgb balanced(const Sky& sky, const Vec3f& direction, float cosine, std::uint32_t cosine_rays, std::uint32_t aimed_rays, float density) {
+    const float rays = static_cast<float>(cosine_rays) * cosine * static_cast<float>(1 / pi) + static_cast<float>(aimed_rays) * density;
+    return sky.radiance(direction) * (cosine / std::max(rays, 1e-30f));
+}
+
+}  // namespace
+
+std::uint32_t aimed_sky_rays(const Sky* sky, std::uint32_t rays) {
+    return sky && sky->is_uneven() && !sky->is_dark() ? std::max(1u, rays / 2) : 0;
+}
+
+Rgb open_ray_light(const Sky* sky, const Vec3f& direction, float cosine, std::uint32_t cosine_rays, std::uint32_t aimed_rays) {
+    if (!sky || !(cosine > 0)) return {0, 0, 0};
+    return balanced(*sky, direction, cosine, cosine_rays, aimed_rays, aimed_rays ? sky->density(direction) : 0.0f);
+}
+
+void add_aimed_sky(const GatherInput& input, const SurfaceSampler& sampler, std::uint32_t cosine_rays, std::uint32_t aimed_rays,
+                   std::uint64_t seed, LightSum& sum) {
+    const SobolSequence places(mix(seed, place_purpose)), aims(mix(seed, aim_purpose));
+    for (std::uint32_t k = 0; k < aimed_rays; ++k) {
+        const auto u = places.point(k), w = aims.point(k);
+        const SurfacePoint at = sampler.point(u[0], u[1]);
+        const Sky::Sample aim = input.sky->sample(w[0], w[1]);
+        const float cosine = aim.direction.dot(sampler.shading_normal(at));
+        if (cosine <= 0 || aim.direction.dot(at.normal) <= 0) continue;
+        const TraceRay ray{offset_origin(at.position, at.normal, input.scene.corner_extent(at.triangle)), aim.direction, at.triangle};
+        if (!input.tracer.occluded(ray, INFINITY))
+            sum.add(balanced(*input.sky, aim.direction, cosine, cosine_rays, aimed_rays, aim.density), 1.0f);
+    }
+}
+
+void add_aimed_sky(const GatherInput& input, std::span<const NearVertex> vertices, std::uint64_t seed, LightSum& sum) {
+    if (!aimed_sky_rays(input.sky, 1)) return;
+    const SobolSequence aims(mix(seed, aim_purpose));
+    for (const NearVertex& at : vertices) {
+        const auto w = aims.point(at.ray);
+        const Sky::Sample aim = input.sky->sample(w[0], w[1]);
+        const float cosine = aim.direction.dot(at.normal);
+        if (cosine <= 0) continue;
+        const TraceRay ray{offset_origin(at.position, at.normal, input.scene.corner_extent(at.triangle)), aim.direction, at.triangle};
+        if (!input.tracer.occluded(ray, INFINITY))
+            sum.add(balanced(*input.sky, aim.direction, cosine, 1, 1, aim.density), at.throughput);
+    }
+}
+
+}  // namespace luxel
