@@ -1,9 +1,11 @@
 /// From a glTF file to a lightmapped glTF file: the list of stages, and nothing else. Each stage is a function from value
 /// to value; what is expensive is kept in the bake folder under a name made of its inputs, and not run again.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "baker/bake/report.h"
@@ -32,12 +34,24 @@ enum class StoreKind {
 /// Their names on the command line and in reports.
 const char* store_name(StoreKind kind);
 
+/// The sky: what the user says, else what the scene has (EXT_lights_image_based), else none. docs/lights.md.
+struct SkyChoice {
+    bool none = false;                           ///< no sky, whatever the scene has
+    std::optional<std::array<double, 3>> color{};  ///< nits from everywhere
+    std::filesystem::path picture{};             ///< OpenEXR or Radiance HDR by longitude and latitude; empty: none
+    double turn_degrees = 0;  ///< of any sky, counter-clockwise seen from above
+    double scale = 1;         ///< factor of any sky, >= 0
+};
+
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
     BadValues bad_values = BadValues::clamp;  ///< numbers of materials and lamps that cannot be
+    double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
+    double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none
+    SkyChoice sky;
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory

@@ -39,6 +39,7 @@ std::filesystem::path BakeFolder::patches(const Key& strips) const { return root
 std::filesystem::path BakeFolder::plan(const Key& key) const { return root_ / ("plan-" + key.text() + ".lxl"); }
 std::filesystem::path BakeFolder::accuracy(const Key& key) const { return root_ / ("accuracy-" + key.text() + ".lxv"); }
 std::filesystem::path BakeFolder::closure(const Key& key) const { return root_ / ("closure-" + key.text() + ".lxc"); }
+std::filesystem::path BakeFolder::sky_view(const Key& key) const { return root_ / ("sky-" + key.text() + ".lxy"); }
 std::filesystem::path BakeFolder::solution(const Key& key) const { return root_ / ("solution-" + key.text() + ".lxr"); }
 std::filesystem::path BakeFolder::checkpoint(const Key& solution) const { return root_ / ("checkpoint-" + solution.text() + ".lxk"); }
 
@@ -106,8 +107,8 @@ void BakeFolder::discard_directory(const Key& strips) const {
 }
 
 std::optional<BakeFolder::StageName> BakeFolder::stage_of(const std::filesystem::path& name) {
-    static constexpr std::array<std::pair<const char*, const char*>, 12> stages{
-        {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"directory", ".lxd"}, {"hot", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"},
+    static constexpr std::array<std::pair<const char*, const char*>, 13> stages{
+        {{"atlas", ".lxa"}, {"evidence", ""}, {"strips", ""}, {"directory", ".lxd"}, {"hot", ""}, {"patches", ".lxp"}, {"plan", ".lxl"}, {"closure", ".lxc"}, {"sky", ".lxy"},
          {"solution", ".lxr"}, {"checkpoint", ".lxk"}, {"accuracy", ".lxv"}, {"lightmaps", ""}}};
     const std::string text = name.filename().string();
     for (const auto& [stage, ending] : stages) {

@@ -8,6 +8,7 @@
 ///     patches-<key>.lxp                   formats/bake/patches_file.md; the key is that of the strips
 ///     plan-<key>.lxl                      stage_files.h
 ///     closure-<key>.lxc                   stage_files.h
+///     sky-<key>.lxy                       formats/bake/sky_view_file.md
 ///     solution-<key>.lxr                  stage_files.h
 ///     checkpoint-<key>.lxk                stage_files.h; the key is that of the solution, which takes its place
 ///     accuracy-<key>.lxv                  stage_files.h
@@ -40,6 +41,7 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path patches(const Key& strips) const;
     [[nodiscard]] std::filesystem::path plan(const Key& key) const;
     [[nodiscard]] std::filesystem::path closure(const Key& key) const;
+    [[nodiscard]] std::filesystem::path sky_view(const Key& key) const;
     [[nodiscard]] std::filesystem::path solution(const Key& key) const;
     [[nodiscard]] std::filesystem::path checkpoint(const Key& solution) const;
     [[nodiscard]] std::filesystem::path accuracy(const Key& key) const;

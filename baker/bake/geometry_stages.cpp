@@ -10,6 +10,7 @@
 #include "baker/trace/texel_joints.h"
 #include "baker/trace/visible_area.h"
 #include "baker/unwrap/atlas_file.h"
+#include "formats/base/file.h"
 #include "formats/gltf/gltf_in.h"
 #include "formats/image/image_file.h"
 
@@ -25,6 +26,26 @@ std::optional<DecodedImage> decode(ByteView bytes, const std::string& name) {
         if (error.code == ErrorCode::bad_input) return {};
         throw;
     }
+}
+
+/// What the file or the user may bring: a picture of half a gigabyte decoded.
+constexpr ImageLimits sky_limits{.max_side = 16384, .max_pixels = std::uint64_t{1} << 25};
+
+SkyWish read_sky(const SkyChoice& choice) {
+    SkyWish wish{.none = choice.none, .color = choice.color, .picture = {}, .picture_name = choice.picture.string(),
+                 .turn_degrees = choice.turn_degrees, .scale = choice.scale};
+    if (choice.picture.empty()) return wish;
+    ImagePixels pixels = decode_image(read_file(choice.picture), choice.picture.string(), sky_limits);
+    if (!pixels.is_float)
+        throw Error(ErrorCode::bad_input, choice.picture.string(), "expected a picture of floats, OpenEXR or Radiance HDR, found one of integers",
+                    "a sky is in nits, which 8 or 16 bits cannot hold");
+    if (pixels.width != 2 * std::uint64_t{pixels.height})
+        throw Error(ErrorCode::bad_input, choice.picture.string(),
+                    "expected longitudes and latitudes, twice as wide as high, found " + std::to_string(pixels.width) + " x " +
+                        std::to_string(pixels.height),
+                    "convert cubemaps, probes and other projections to an equirectangular picture");
+    wish.picture = DecodedImage{pixels.width, pixels.height, std::move(pixels.pixels)};
+    return wish;
 }
 
 /// Parts of glTF that are read and carried through, but do not yet take part in the light.
@@ -54,7 +75,11 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     g.record = read_scene(g.document);
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
-    const BuildOptions build{.bad_values = options.bad_values, .file = options.input.filename().string()};
+    const BuildOptions build{.bad_values = options.bad_values,
+                             .file = options.input.filename().string(),
+                             .lamp_radius = options.lamp_radius,
+                             .sun_angle_degrees = options.sun_angle_degrees,
+                             .sky = read_sky(options.sky)};
     g.scene = build_scene(g.record, decode, build, report.warnings);
     warn_of_simplifications(g.scene, report.warnings);
     if (g.scene.triangles.empty())

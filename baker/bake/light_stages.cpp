@@ -7,6 +7,7 @@
 #include "baker/bake/stopping.h"
 #include "baker/light/gather.h"
 #include "baker/light/patch_irradiance.h"
+#include "baker/light/sky.h"
 
 namespace luxel {
 namespace {
@@ -22,6 +23,7 @@ class PageLighter {
                 const BakedSolution& solution)
         : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution),
           emitters_(geometry.scene, geometry.atlas, geometry.patches) {
+        if (!g_.scene.sky.empty()) sky_.emplace(g_.scene.sky);
         for (PatchNumber p = 0; p < g_.patches.count(); ++p) {
             Channels rest = solution.result.radiosity[p];
             for (std::size_t c = 0; c < 3; ++c)
@@ -36,7 +38,7 @@ class PageLighter {
         if (options_.gather_rays) {
             // What is nearer than a patch is wide sees it as more than one brightness.
             const float near_m = patch_side_m(options_, g_.atlas);
-            const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, emitters_, reflected_};
+            const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, emitters_, reflected_, sky_ ? &*sky_ : nullptr};
             return gather_page(input, page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
         }
         if (irradiance_.empty()) {
@@ -54,6 +56,7 @@ class PageLighter {
     const BakedMatrix& matrix_;
     const BakedSolution& solution_;
     const EmitterSet emitters_;
+    std::optional<Sky> sky_;
     std::vector<Rgb> reflected_;   // per patch
     std::vector<Rgb> irradiance_;  // per patch, only for drafts
 };

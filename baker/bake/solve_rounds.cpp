@@ -39,7 +39,7 @@ class Rounds {
           neighbourhood_(neighbourhoods(geometry.atlas, geometry.patches, neighbourhood_patches * options.patch_texels)) {}
 
     SolvedScene run() {
-        scene_.sources = light_patches(options_, g_, clock_, report_);
+        scene_.sources = light_patches(options_, g_, folder_, clock_, report_);
         if (options_.preview_s > 0) preview_.emplace(options_, g_, scene_.sources, report_);
         if (!evidence_.add(first_plan(), clock_, report_)) refuse_without_light(options_, "stopped in the first round of rays");
         while (wants_more()) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "baker/bake/endless_light.h"
+#include "baker/bake/sky_stage.h"
 #include "baker/bake/solve_watch.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
@@ -82,25 +83,28 @@ SolveResult solve_watched(SolverKind kind, BlockSource& source, const SolveInput
 
 }  // namespace
 
-BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, StageClock& clock, BakeReport& report) {
+BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder, StageClock& clock,
+                           BakeReport& report) {
     BakedSources sources;
     clock.stage("lamps", [&] {
         sources.lamp_irradiance = patch_lamp_irradiance(g.scene, g.atlas, g.patches, *g.tracer, options.lamp_points);
-        sources.emission = first_light(g.patches, sources.lamp_irradiance);
         return false;
     });
+    add_sky_light(options, g, folder, sources.lamp_irradiance, clock, report);
+    sources.emission = first_light(g.patches, sources.lamp_irradiance);
     if (g.scene.lamps.empty()) report.skipped.push_back({"lamps", "the scene has no punctual lights"});
     return sources;
 }
 
 Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& matrix_key, double tolerance) {
-    return KeyBuilder("solution 3")
-        .text(solver_names()[static_cast<std::size_t>(options.solver)])
+    KeyBuilder key("solution 3");
+    key.text(solver_names()[static_cast<std::size_t>(options.solver)])
         .key(matrix_key)
         .key(g.scene.light_key)
         .number(tolerance)
-        .integer(options.lamp_points)
-        .finish();
+        .integer(options.lamp_points);
+    if (!g.scene.sky.empty()) key.key(sky_view_key(options, g));
+    return key.finish();
 }
 
 BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,

@@ -7,8 +7,8 @@ namespace luxel {
 
 /// Light that the equation starts from; the same for every matrix of the scene.
 struct BakedSources {
-    std::vector<Rgb> lamp_irradiance;  ///< direct light of lamps per patch, lux
-    std::vector<Channels> emission;    ///< M: self-emission plus what is reflected of the lamps, lm/m2
+    std::vector<Rgb> lamp_irradiance;  ///< direct light of lamps and sky per patch, lux
+    std::vector<Channels> emission;    ///< M: self-emission plus what is reflected of lamps and sky, lm/m2
 };
 
 /// Radiosity per patch with everything that a texel needs of it.
@@ -21,8 +21,9 @@ struct BakedSolution {
 
 class Preview;
 
-/// Stage "lamps".
-BakedSources light_patches(const BakeOptions& options, const BakedGeometry& geometry, StageClock& clock, BakeReport& report);
+/// Stage "lamps", and those of the sky (sky_stage.h).
+BakedSources light_patches(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder, StageClock& clock,
+                           BakeReport& report);
 
 /// Name of the solution of a matrix.
 Key solution_key(const BakeOptions& options, const BakedGeometry& geometry, const Key& matrix_key, double tolerance);

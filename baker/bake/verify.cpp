@@ -9,6 +9,7 @@
 #include "baker/bake/stage_files.h"
 #include "baker/core/parallel.h"
 #include "baker/store/pooling.h"
+#include "formats/bake/sky_view_file.h"
 
 namespace luxel {
 namespace {
@@ -27,6 +28,7 @@ FileKind kind_of(const std::string& stage) {
     if (stage == "solution") return FileKind::solution;
     if (stage == "checkpoint") return FileKind::checkpoint;
     if (stage == "accuracy") return FileKind::accuracy;
+    if (stage == "sky") return FileKind::sky_view;
     return FileKind::lightmap;
 }
 
@@ -48,6 +50,10 @@ void load_whole(const std::string& stage, const std::filesystem::path& path, con
     if (stage == "accuracy") load_accuracy(path, key, elements(file, 0, 24));
     if (stage == "lightmaps") load_lightmap(path, key, elements(file, 0, 12));
     if (stage == "directory") load_directory(path, key);
+    if (stage == "sky") {
+        const SkyViewReader view(path, key);
+        for (std::size_t block = 0; block < view.block_count(); ++block) static_cast<void>(view.read(block));
+    }
     if (stage == "strips" || stage == "hot") {
         read_tallies(file);
         read_strip_directory(file);

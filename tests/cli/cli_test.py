@@ -99,6 +99,7 @@ class Help(Case):
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--aov": "albedo,valid", "--memory": "1G",
               "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
+              "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
     def test_help(self):
@@ -195,7 +196,10 @@ class Usage(Case):
                 (["--aov", ""], "--aov"), (["--aov", "albedo, valid"], "commas"), (["--aov", "direct"], "albedo,normal,patch,chart,valid"), (["--aov", "valid,samples"], '"samples" needs'), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
                 (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
                 (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),
-                (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"), (["another.glb"], "another.glb")):
+                (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"),
+                (["--sky-color", "1,2"], "R,G,B"), (["--sky-color", "1,2,3,4"], "R,G,B"), (["--sky-color", "1,-2,3"], "R,G,B"),
+                (["--sky-color", "nan"], "R,G,B"), (["--sky-color", "1,2,blue"], "R,G,B"), (["--sky-color", "1", "--sky", "none"], "only one sky"),
+                (["--sky-scale", "-1"], "--sky-scale"), (["--lamp-radius", "-1"], "--lamp-radius"), (["--sun-angle", "180"], "--sun-angle"), (["another.glb"], "another.glb")):
             with self.subTest(arguments):
                 # Should it be accepted, it shall not take long.
                 small = [part for name, value in zip(SMALL[::2], SMALL[1::2]) if name not in arguments for part in (name, value)]

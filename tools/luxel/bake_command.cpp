@@ -35,6 +35,8 @@ struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
+    std::string sky, sky_color;
+    double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
@@ -50,6 +52,36 @@ const CLI::Validator finite(
 /// Refuses a sign: an unsigned number would silently wrap around.
 const CLI::Validator unsigned_number(
     [](std::string& text) { return text.starts_with('-') ? "expected 0 or more" : std::string(); }, "", "unsigned");
+
+/// "R,G,B" or one number for all three, nits.
+std::array<double, 3> parse_nits(const std::string& text) {
+    std::array<double, 3> nits{};
+    std::size_t count = 0;
+    const char* at = text.c_str();
+    bool more = true;
+    for (; more && count < 3; ++count) {
+        char* end = nullptr;
+        nits[count] = std::strtod(at, &end);
+        if (end == at || !(nits[count] >= 0 && nits[count] <= most_light)) break;
+        more = *end == ',';
+        at = more ? end + 1 : end;
+    }
+    const bool is_whole = !more && *at == 0;
+    if (is_whole && count == 1) nits[1] = nits[2] = nits[0];
+    else if (!is_whole || count != 3)
+        throw Error(ErrorCode::usage, "--sky-color", "expected R,G,B in nits, each from 0 to 1e30, found " + text,
+                    "for example --sky-color 3000,4000,6000");
+    return nits;
+}
+
+SkyChoice sky_choice(const Arguments& a) {
+    SkyChoice sky{.none = a.sky == "none", .color = {}, .picture = {}, .turn_degrees = a.sky_turn, .scale = a.sky_scale};
+    if (!a.sky_color.empty() && !a.sky.empty())
+        throw Error(ErrorCode::usage, "--sky-color", "--sky was given too, but there is only one sky", "leave out one of them");
+    if (!a.sky_color.empty()) sky.color = parse_nits(a.sky_color);
+    if (!a.sky.empty() && !sky.none) sky.picture = a.sky;
+    return sky;
+}
 
 BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     BakeOptions o;
@@ -68,6 +100,9 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.output = a.output;
     o.work = a.work;
     o.bad_values = a.bad_values == "refuse" ? BadValues::refuse : BadValues::clamp;
+    o.lamp_radius = a.lamp_radius;
+    o.sun_angle_degrees = a.sun_angle;
+    o.sky = sky_choice(a);
     o.unwrap.texels_per_metre = a.texels_per_metre;
     o.unwrap.page_size = a.atlas_size;
     o.unwrap.padding = a.padding;
@@ -109,6 +144,12 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"output", a.output},
             {"quality", a.quality},
             {"bad-values", a.bad_values},
+            {"lamp-radius", fmt::format("{}", a.lamp_radius)},
+            {"sun-angle", fmt::format("{}", a.sun_angle)},
+            {"sky", a.sky.empty() ? "scene" : a.sky},
+            {"sky-color", a.sky_color.empty() ? "none" : a.sky_color},
+            {"sky-rotate", fmt::format("{}", a.sky_turn)},
+            {"sky-scale", fmt::format("{}", a.sky_scale)},
             {"texels-per-metre", a.texels_per_metre > 0 ? fmt::format("{}", a.texels_per_metre) : "auto"},
             {"atlas-size", std::to_string(o.unwrap.page_size)},
             {"padding", std::to_string(o.unwrap.padding)},
@@ -218,6 +259,18 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
     command.add_option("--interpolation", a.interpolation, "of patches over texels where nothing is gathered, as in drafts and previews")
         ->check(CLI::IsMember(interpolation_names()))->capture_default_str()->group("Quality");
+    command.add_option("--sky", a.sky, "picture of the sky in nits by longitude and latitude, .exr or .hdr; none: no sky (what the scene has)")
+        ->type_name("FILE")->group("Light");
+    command.add_option("--sky-color", a.sky_color, "the same sky everywhere, nits: L gives pi L lux to a surface that sees all of it")
+        ->type_name("R,G,B")->group("Light");
+    command.add_option("--sky-rotate", a.sky_turn, "turn the sky, degrees counter-clockwise seen from above")
+        ->check(finite)->check(CLI::Range(-1e6, 1e6))->type_name("DEG")->capture_default_str()->group("Light");
+    command.add_option("--sky-scale", a.sky_scale, "factor of the sky's light")
+        ->check(finite)->check(CLI::Range(0.0, 1e30))->capture_default_str()->group("Light");
+    command.add_option("--lamp-radius", a.lamp_radius, "of point and spot lamps that the scene gives no size, metres: soft shadows")
+        ->check(finite)->check(CLI::Range(0.0, 1e6))->type_name("M")->capture_default_str()->group("Light");
+    command.add_option("--sun-angle", a.sun_angle, "apparent diameter of directional lamps that the scene gives no size, degrees; the sun has 0.53")
+        ->check(finite)->check(CLI::Range(0.0, 170.0))->type_name("DEG")->capture_default_str()->group("Light");
     command.add_option("--texels-per-metre", a.texels_per_metre, "density of the lightmap; 0: about half a page for the scene")
         ->check(finite)->check(CLI::Range(0.0, 1e9))->capture_default_str()->group("Lightmap");
     command.add_option("--atlas-size", a.atlas_size, "side of a page in texels")
