@@ -73,6 +73,7 @@ class Gltf:
         self.views, self.accessors, self.roots = [], [], []
         self.blob = bytearray()
         self.material_ids, self.mesh_ids = {}, {}
+        self.lights = []
         self.uses_strength = False
 
     def material(self, name, reflectance, nits=None, double_sided=False):
@@ -137,6 +138,21 @@ class Gltf:
         (self.roots if parent is None else self.nodes[parent].setdefault("children", [])).append(index)
         return index
 
+    def lamp(self, name, light, position, direction=(0, 0, -1), extras=None):
+        """A node with a light of KHR_lights_punctual: light as in that extension, direction where it shines to."""
+        self.lights.append({"name": name, **light})
+        length = math.sqrt(dot(direction, direction))
+        x, y, z = (c / length for c in direction)
+        # the shortest turn from -Z; straight back it is about Y
+        turn = (0.0, 1.0, 0.0, 0.0) if z > 1 - 1e-12 else (y, -x, 0.0, 1 - z)
+        size = math.sqrt(sum(c * c for c in turn))
+        index = self.node(name, translation=position)
+        self.nodes[index]["rotation"] = [c / size for c in turn]
+        self.nodes[index]["extensions"] = {"KHR_lights_punctual": {"light": len(self.lights) - 1}}
+        if extras:
+            self.nodes[index]["extras"] = extras
+        return index
+
     def piece(self, name, faces, material, parent=None):
         """A node with a mesh of its own."""
         return self.node(name, self.mesh(name, faces, material), parent)
@@ -156,6 +172,9 @@ class Gltf:
                     "buffers": [{"uri": name + ".bin", "byteLength": len(self.blob)}]}
         if self.uses_strength:
             document["extensionsUsed"] = ["KHR_materials_emissive_strength"]
+        if self.lights:
+            document.setdefault("extensionsUsed", []).append("KHR_lights_punctual")
+            document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
         with open(os.path.join(folder, name + ".bin"), "wb") as file:
             file.write(self.blob)
         with open(os.path.join(folder, name + ".gltf"), "w", encoding="utf-8", newline="\n") as file:

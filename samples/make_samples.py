@@ -14,7 +14,7 @@ import os
 
 import open_plan
 import rooms
-from gltf_writer import Gltf, facing, rectangle
+from gltf_writer import Gltf, box, facing, rectangle
 
 ONE_LM_PER_M2 = [1 / math.pi] * 3   # nits of a surface with exitance M = pi L = 1 lm/m2
 
@@ -119,6 +119,57 @@ def corridor(columns, rows):
     return gltf
 
 
+def open_court(_):
+    """A court of 8 x 6 m between walls of 3 m, open above: it has no lamp and is meant for a sky."""
+    gltf = Gltf()
+    stone = gltf.material("stone", (0.5, 0.48, 0.44))
+    plaster = gltf.material("plaster", (0.7, 0.68, 0.62))
+    brick = gltf.material("brick", (0.55, 0.22, 0.15))
+    gltf.piece("floor", [rectangle(1, 0.0, (0, 0), (8, 6), 1)], stone)
+    for name, axis, at, high, sign, material in (("wall_minus_x", 0, 0.0, (3, 6), 1, plaster), ("wall_plus_x", 0, 8.0, (3, 6), -1, brick),
+                                                 ("wall_minus_z", 2, 0.0, (8, 3), 1, plaster), ("wall_plus_z", 2, 6.0, (8, 3), -1, plaster)):
+        gltf.piece(name, [rectangle(axis, at, (0, 0), high, sign)], material)
+    for k, (low, high) in enumerate((((1, 0, 1), (2, 1, 2)), ((2.5, 0, 3.5), (3.1, 2.2, 4.1)), ((5.2, 0, 1.2), (6.8, 0.5, 2.8)),
+                                     ((5.5, 0, 4), (6.3, 1.5, 5)))):
+        gltf.piece(f"block_{k}", box(low, high, ("-y",)), brick if k == 2 else plaster)
+    return gltf
+
+
+def sun_room(_):
+    """A room of 4 x 2.7 x 5 m that the sun shines into through a window of 1.6 x 1.4 m in a wall of 0.3 m."""
+    gltf = Gltf()
+    wall, floor = gltf.material("wall", (0.7, 0.7, 0.68)), gltf.material("floor", (0.45, 0.3, 0.2))
+    wood = gltf.material("wood", (0.5, 0.35, 0.2))
+    gltf.piece("floor", [rectangle(1, 0.0, (0, 0), (4, 5), 1)], floor)
+    gltf.piece("ceiling", [rectangle(1, 2.7, (0, 0), (4, 5), -1)], wall)
+    gltf.piece("wall_minus_x", [rectangle(0, 0.0, (0, 0), (2.7, 5), 1)], wall)
+    gltf.piece("wall_minus_z", [rectangle(2, 0.0, (0, 0), (4, 2.7), 1)], wall)
+    gltf.piece("wall_plus_z", [rectangle(2, 5.0, (0, 0), (4, 2.7), -1)], wall)
+    low, high = (0.9, 1.7), (2.3, 3.3)   # of the window: y, z
+    frame = [((0, 0), (2.7, low[1])), ((0, high[1]), (2.7, 5)), ((0, low[1]), (low[0], high[1])), ((high[0], low[1]), (2.7, high[1]))]
+    faces = [rectangle(0, 4.0, a, b, -1) for a, b in frame]
+    faces += [rectangle(1, low[0], (4, low[1]), (4.3, high[1]), 1), rectangle(1, high[0], (4, low[1]), (4.3, high[1]), -1)]
+    faces += [rectangle(2, low[1], (4, low[0]), (4.3, high[0]), 1), rectangle(2, high[1], (4, low[0]), (4.3, high[0]), -1)]
+    gltf.piece("wall_plus_x", faces, wall)
+    gltf.piece("table", box((1, 0.7, 1.8), (1.8, 0.75, 3.2)), wood)
+    gltf.piece("chest", box((0.3, 0, 4), (1.3, 0.8, 4.7), ("-y",)), wood)
+    gltf.lamp("sun", {"type": "directional", "intensity": 50000.0, "color": [1.0, 0.93, 0.82]}, (8, 8, 2.5), (-1, -0.8, 0.1),
+              {"angle": 0.53})
+    return gltf
+
+
+def lamps_over_floor(_):
+    """A black floor of 6 x 6 m under a point lamp of 100 cd, one that ends at its range, and a spot of 200 cd: each place has
+    a closed form."""
+    gltf = Gltf()
+    gltf.piece("floor", [rectangle(1, 0.0, (-3, -3), (3, 3), 1)], gltf.material("floor", (0, 0, 0)))
+    gltf.lamp("point", {"type": "point", "intensity": 100.0, "color": [1.0, 0.8, 0.6]}, (-1.5, 2, -1))
+    gltf.lamp("near", {"type": "point", "intensity": 40.0, "range": 2.5, "color": [0.5, 0.7, 1.0]}, (1.5, 1, -1.5))
+    gltf.lamp("spot", {"type": "spot", "intensity": 200.0, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.5}}, (1, 2.5, 1.5),
+              (-0.3, -1, 0.1))
+    return gltf
+
+
 def furnished_rooms(columns, rows, lit):
     """Furnished rooms as in the corridors; lit(i, j) says which have a lamp."""
     gltf = Gltf()
@@ -142,6 +193,9 @@ SAMPLES = {
     "corridor_4": lambda _: corridor(2, 2),
     "corridor_16": lambda _: corridor(4, 4),
     "corridor_64": lambda _: corridor(8, 8),
+    "open_court": open_court,
+    "sun_room": sun_room,
+    "lamps_over_floor": lamps_over_floor,
 }
 
 SOLVER_SCENES = {
