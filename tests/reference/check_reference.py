@@ -5,6 +5,8 @@ usage: check_reference.py [--points 300] [--spp 4096]      exit status 1 if a ch
 
   furnace, sphere   every texel holds H = M / (1 - rho) = 2 lm/m2
   two squares       texels hold Lambert's formula for the sender, unoccluded, and their mean is the form factor
+  lamps over floor  texels hold the sum of three lamps; with radii the same; under a constant sky pi L more; under a picture
+                    whose light comes from +X and -Z only, what a tilted pixel gives to the floor
   a wrong bake      2 % too bright must be reported as a bias of 2 %
 """
 import argparse
@@ -18,10 +20,11 @@ import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import gltf_scene   # noqa: E402
+import lights       # noqa: E402
 import reference    # noqa: E402
 
 SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
-CELL = 24            # texels: each triangle lies in its own square of a page
+CELL, FINE_CELL = 24, 96   # texels: each triangle lies in its own square of a page; finer where there are few
 
 
 def polygon_irradiance(points, normal, polygon, nits):
@@ -48,20 +51,21 @@ def write_exr(path, values):
 def fake_bake(scene, folder, irradiance):
     """A GLB with one chart per triangle; irradiance(object name, points) fills the texels. Returns its path."""
     count = len(scene.corners)
+    cell = FINE_CELL if count < 10 else CELL
     columns = int(np.ceil(np.sqrt(count)))
-    side = columns * CELL
+    side = columns * cell
     page = np.zeros((side, side, 3))
     uv = np.zeros((count, 3, 2))
     for t in range(count):
-        origin = np.array([t % columns, t // columns]) * CELL
-        uv[t] = origin + np.array([[2, 2], [CELL - 3, 2], [2, CELL - 3]])
+        origin = np.array([t % columns, t // columns]) * cell
+        uv[t] = origin + np.array([[2, 2], [cell - 3, 2], [2, cell - 3]])
         inverse = np.linalg.inv(np.column_stack([uv[t, 1] - uv[t, 0], uv[t, 2] - uv[t, 0]]))
-        x, y = np.meshgrid(np.arange(CELL), np.arange(CELL))
+        x, y = np.meshgrid(np.arange(cell), np.arange(cell))
         at = (np.stack([x.ravel(), y.ravel()], 1) + 0.5 + origin - uv[t, 0]) @ inverse.T
         at = np.clip(at, 0, 1)
         points = scene.corners[t, 0] + at @ (scene.corners[t, 1:] - scene.corners[t, 0])
         value = irradiance(scene.objects[scene.object[t]], points)
-        page[origin[1]:origin[1] + CELL, origin[0]:origin[0] + CELL] = np.reshape(value, (CELL, CELL, 1))
+        page[origin[1]:origin[1] + cell, origin[0]:origin[0] + cell] = np.reshape(value, (cell, cell, -1))
     write_exr(os.path.join(folder, "page.exr"), page)
     blob = scene.corners.astype("<f4").tobytes() + (uv / side).astype("<f4").tobytes()
     size = count * 36
@@ -108,21 +112,55 @@ def squares(name):
     return value
 
 
+def lamps_over_floor(_, points):
+    total = np.zeros((len(points), 3))
+    for colour, intensity, at, reach, axis in (((1, 0.8, 0.6), 100, (-1.5, 2, -1), 0, None), ((0.5, 0.7, 1), 40, (1.5, 1, -1.5), 2.5, None),
+                                               ((1, 1, 1), 200, (1, 2.5, 1.5), 0, (-0.3, -1, 0.1))):
+        way = np.array(at) - points
+        d = np.linalg.norm(way, axis=1)
+        light = intensity * way[:, 1] / d ** 3
+        if reach:
+            light *= np.clip(1 - (d / reach) ** 4, 0, 1)
+        if axis:
+            along = -(way @ np.array(axis)) / d / np.linalg.norm(axis)
+            light *= np.clip((along - np.cos(0.5)) / (np.cos(0.2) - np.cos(0.5)), 0, 1) ** 2
+        total += light[:, None] * np.array(colour)
+    return total
+
+
+def write_sky(path):
+    """32 x 16 pixels: 1000 nits where the pixel right above the middle of the picture is, 400 at a quarter to its left."""
+    pixels = np.zeros((16, 32, 3))
+    pixels[4, 16], pixels[6, 8] = 1000, 400
+    write_exr(path, pixels)
+    edges = np.cos(np.pi * np.arange(17) / 16)
+    flat = lambda row: (edges[row] ** 2 - edges[row + 1] ** 2) / 2 * 2 * np.pi / 32    # integral of y over the pixel
+    return 1000 * flat(4) + 400 * flat(6)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=int, default=300)
     parser.add_argument("--spp", type=int, default=4096)
     options = parser.parse_args()
     constant = lambda value: lambda _, points: np.full(len(points), value)
+    skies = tempfile.TemporaryDirectory()
+    sky = os.path.join(skies.name, "sky.exr")
+    of_sky = write_sky(sky)
+    plain, light = lights.Light(), lights.Light
+    floor = lambda more: lambda name, points: lamps_over_floor(name, points) + more
+    lit = [("lamps_over_floor", floor(0), 0.0, None, plain), ("lamps_over_floor", floor(0), 0.0, None, light(lamp_radius=0.3)),
+           ("lamps_over_floor", floor(10 * np.pi), 0.0, None, light(sky_color=(5, 5, 5), sky_scale=2)),
+           ("lamps_over_floor", floor(of_sky), 0.0, None, light(sky=sky, sky_rotate=33))]
     cases = [("furnace", constant(2.0), 0.0, None), ("sphere", constant(2.0), 0.0, None),
              ("two_squares_parallel", squares("parallel"), 0.0, 0.199825 / 2),
              ("two_squares_perpendicular", squares("perpendicular"), 0.0, 0.200044 / 2), ("furnace", constant(2.04), 0.02, None)]
     failed = 0
-    for name, value, bias, mean in cases:
+    for name, value, bias, mean, given in [(*case, plain) for case in cases] + lit:
         source = os.path.join(SAMPLES, name, name + ".gltf")
         with tempfile.TemporaryDirectory() as folder:
             baked = fake_bake(gltf_scene.Scene(source), folder, value)
-            result, arrays, _ = reference.compare(source, baked, options.points, options.spp)
+            result, arrays, _ = reference.compare(source, baked, options.points, options.spp, light=given)
         # facets of the sphere and the size of the texels: a mean may be off by 3e-3, single texels by 0.02
         good = abs(result["bias"] - bias) < 4 * result["bias_se"] + 3e-3 and result["relRMSE_net"] < abs(bias) + 0.02
         if mean is not None:   # both squares have the same area and the sender receives nothing

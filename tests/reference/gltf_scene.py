@@ -152,9 +152,11 @@ def triangle_corners(mode, order):
 
 class Scene:
     """corners (T, 3, 3) world metres, front counter-clockwise; normals (T, 3, 3) unit, geometric where the file has none;
-    uv: UV set -> (T, 3, 2); material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour."""
+    uv: UV set -> (T, 3, 2); material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour, radius (metres) or sine (of half the apparent diameter).
+    lamp_radius, sun_angle: metres and degrees, of lamps that the file gives no size."""
 
-    def __init__(self, path):
+    def __init__(self, path, lamp_radius=0.0, sun_angle=0.0):
+        self.sizes = {"radius": lamp_radius, "angle": sun_angle}
         self.document = Document(path)
         needed = [e for e in self.document.all("extensionsRequired") if e in COMPRESSED]
         if needed:
@@ -177,16 +179,19 @@ class Scene:
             pending += [(child, world) for child in reversed(node.get("children", []))]
             lamp = node.get("extensions", {}).get("KHR_lights_punctual")
             if lamp is not None:
-                self._lamp(document.json["extensions"]["KHR_lights_punctual"]["lights"][lamp["light"]], world)
+                self._lamp(document.json["extensions"]["KHR_lights_punctual"]["lights"][lamp["light"]], world, node.get("extras", {}))
             if "mesh" in node:
                 for number, primitive in enumerate(document.json["meshes"][node["mesh"]]["primitives"]):
                     self._primitive(primitive, world, f"{node.get('name', index)}/{number}")
 
-    def _lamp(self, light, world):
+    def _lamp(self, light, world, extras):
+        sizes = {**self.sizes, **light.get("extras", {}), **extras}
         spot, direction = light.get("spot", {}), world[:3, :3] @ np.array([0, 0, -1.0])
         self.lamps.append({
             "kind": light["type"], "position": world[:3, 3], "direction": direction / np.linalg.norm(direction),
             "colour": np.array(light.get("color", (1, 1, 1)), float) * light.get("intensity", 1.0),
+            "radius": 0.0 if light["type"] == "directional" else sizes["radius"],
+            "sine": np.sin(np.radians(sizes["angle"]) / 2) if light["type"] == "directional" else 0.0,
             "range": light.get("range", 0.0), "cos_inner": np.cos(spot.get("innerConeAngle", 0.0)),
             "cos_outer": np.cos(spot.get("outerConeAngle", np.pi / 4))})
 

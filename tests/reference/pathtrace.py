@@ -86,7 +86,8 @@ class TextureStore:
 class Tracer:
     """The scene in Mitsuba, and what the estimator looks up for a triangle."""
 
-    def __init__(self, scene):
+    def __init__(self, scene, sky=None):
+        """sky: a Mitsuba environment emitter as a dictionary (sky.py), or None."""
         points = scene.corners.reshape(-1, 3)
         self.centre = (points.min(0) + points.max(0)) / 2
         self.half = float((points.max(0) - points.min(0)).max()) / 2
@@ -96,7 +97,9 @@ class Tracer:
         parameters["vertex_positions"] = floats(corners)
         parameters["faces"] = U(np.arange(len(points), dtype=np.uint32))
         parameters.update()
-        self.scene = mi.load_dict({"type": "scene", "mesh": mesh})
+        self.scene = mi.load_dict({"type": "scene", "mesh": mesh, **({"sky": sky} if sky else {})})
+        self.sky = self.scene.environment()
+        self.aims_at_sky = sky is not None and sky["type"] == "envmap"
         self.corner = floats(corners)
         self.flat = floats(scene.flat)
         self.material = U(scene.material.astype(np.uint32))
@@ -178,6 +181,8 @@ class Tracer:
             self.p_kind = U(np.array([{"point": 0, "spot": 1, "directional": 2}[l["kind"]] for l in punctual], np.uint32))
             self.p_inner, self.p_outer = floats(column("cos_inner")), floats(column("cos_outer"))
             self.p_range = floats(column("range") / self.half)
+            self.p_radius, self.p_sine = floats(column("radius") / self.half), floats(column("sine"))
+            self.sizes = bool(max(column("radius").max(), column("sine").max()) > 0)
 
     # --- lamps -----------------------------------------------------------------------------------------------------
 
@@ -217,14 +222,15 @@ class Tracer:
             result = dr.select(lit, value, 0)
         if self.table.count > self.area_lamps:
             is_point = active & (lamp >= self.area_lamps)
-            value, toward, far = self.punctual_light(p, normal, lamp - self.area_lamps, is_point)
+            value, toward, far = self.punctual_light(p, normal, lamp - self.area_lamps, u1, u2, is_point)
             result = dr.select(is_point, value / chance, result)
             direction, distance = dr.select(is_point, toward, direction), dr.select(is_point, far, distance)
         wanted = active & (dr.max(result) > 0)
         shadow = mi.Ray3f(p, direction, distance - OFFSET, F(0), mi.Color0f())
         return dr.select(wanted & ~self.scene.ray_test(shadow, wanted), result, 0)
 
-    def punctual_light(self, p, normal, lamp, active):
+    def punctual_light(self, p, normal, lamp, u1, u2, active):
+        """Irradiance without shadow, direction and distance. Of a sized lamp: by one direction, uniform over its cone."""
         kind = dr.gather(U, self.p_kind, lamp, active)
         axis = dr.gather(V3, self.p_direction, lamp, active)
         way = dr.gather(V3, self.p_position, lamp, active) - p
@@ -235,8 +241,50 @@ class Tracer:
         reach = dr.gather(F, self.p_range, lamp, active)
         window = dr.select(reach > 0, dr.clip(1 - (distance / dr.maximum(reach, 1e-20)) ** 4, 0, 1), 1)
         fall = dr.select(kind == 2, 1, window * dr.select(kind == 1, cone, 1) / dr.square(distance))
-        colour = dr.gather(V3, self.p_colour, lamp, active) * fall * dr.maximum(dr.dot(toward, normal), 0)
-        return colour, toward, dr.select(kind == 2, 10.0, distance)
+        full = dr.gather(V3, self.p_colour, lamp, active) * fall
+        colour, far = full * dr.maximum(dr.dot(toward, normal), 0), dr.select(kind == 2, 10.0, distance)
+        if not self.sizes:
+            return colour, toward, far
+        radius = dr.gather(F, self.p_radius, lamp, active)
+        sine = dr.select(kind == 2, dr.gather(F, self.p_sine, lamp, active), radius / distance)
+        inside = sine >= 1
+        s = dr.minimum(sine, 0.999999)
+        height = 1 - dr.square(s) / (1 + dr.sqrt(1 - dr.square(s)))             # cosine of the cone's half angle
+        cone = mi.Frame3f(toward).to_world(mi.warp.square_to_uniform_cone(mi.Point2f(u1, u2), height))
+        ball = mi.Frame3f(normal).to_world(mi.warp.square_to_cosine_hemisphere(mi.Point2f(u1, u2)))
+        direction = dr.select(inside, ball, cone)
+        # luminance = full / (pi s^2), solid angle = 2 pi (1 - height), which is 2 pi s^2 / (1 + sqrt(1 - s^2))
+        facing = dr.maximum(dr.dot(direction, normal), 0) * 2 / (1 + dr.sqrt(1 - dr.square(s)))
+        even = dr.select(inside, full * dr.square(distance) / dr.maximum(dr.square(radius), 1e-30), full * facing)
+        along = dr.dot(way, direction)
+        chord = dr.safe_sqrt(dr.square(radius) - dr.squared_norm(way - direction * along))
+        end = dr.select(kind == 2, 10.0, dr.select(inside, along + chord, along - chord))
+        sized = sine > 0
+        return dr.select(sized, even, colour), dr.select(sized, direction, toward), dr.select(sized, end, far)
+
+    # --- sky -------------------------------------------------------------------------------------------------------
+
+    def sky_nits(self, direction, active):
+        surface = dr.zeros(mi.SurfaceInteraction3f, dr.width(direction))
+        surface.wi = -direction
+        return V3(self.sky.eval(surface, active))
+
+    def sky_density(self, p, direction, active):
+        sample = dr.zeros(mi.DirectionSample3f, dr.width(direction))
+        sample.d = direction
+        surface = dr.zeros(mi.SurfaceInteraction3f, dr.width(direction))
+        surface.p = p
+        return self.sky.pdf_direction(surface, sample, active)
+
+    def sky_light(self, p, normal, u1, u2, active):
+        """One shadow ray to the sky, weighted against cosine rays: irradiance at p."""
+        surface = dr.zeros(mi.SurfaceInteraction3f, dr.width(p))
+        surface.p = p
+        sample, _ = self.sky.sample_direction(surface, mi.Point2f(u1, u2), active)
+        cosine = dr.dot(sample.d, normal)
+        wanted = active & (cosine > 0) & (sample.pdf > 0)
+        value = self.sky_nits(sample.d, wanted) * cosine / (sample.pdf + cosine * dr.inv_pi)
+        return dr.select(wanted & ~self.scene.ray_test(mi.Ray3f(p, sample.d), wanted), value, 0)
 
     # --- paths -----------------------------------------------------------------------------------------------------
 
@@ -248,10 +296,20 @@ class Tracer:
         while active:
             if dr.hint(self.table.count > 0, mode="scalar"):
                 total += throughput * self.lamp_light(p, normal, rng.next_float32(), rng.next_float32(), rng.next_float32(), active)
+            if dr.hint(self.aims_at_sky, mode="scalar"):
+                total += throughput * self.sky_light(p, normal, rng.next_float32(), rng.next_float32(), active)
             local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u1, u2))
             direction = mi.Frame3f(normal).to_world(local)
             active &= dr.dot(direction, flat) > 0
             hit = self.scene.ray_intersect_preliminary(mi.Ray3f(p, direction), coherent=False, active=active)
+            if dr.hint(self.sky is not None, mode="scalar"):
+                left = active & ~hit.is_valid()
+                share = local.z * dr.inv_pi
+                if dr.hint(self.aims_at_sky, mode="scalar"):
+                    share /= dr.maximum(share + self.sky_density(p, direction, left), 1e-30)
+                else:
+                    share = F(1)
+                total += dr.select(left, throughput * dr.pi * share * self.sky_nits(direction, left), 0)
             active &= hit.is_valid()
             triangle = hit.prim_index
             weights = [1 - hit.prim_uv.x - hit.prim_uv.y, hit.prim_uv.x, hit.prim_uv.y]

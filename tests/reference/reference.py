@@ -25,17 +25,19 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import gltf_scene   # noqa: E402
 import lightmap     # noqa: E402
+import lights       # noqa: E402
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 PLACES = 64          # points of a texel
 BURIED_SHARE = 0.5   # a point is inside a solid when more of its view is backs
 
 
-def load_truth_scene(path, baked):
+def load_truth_scene(path, baked_path, light):
+    sizes = {"lamp_radius": light.lamp_radius, "sun_angle": light.sun_angle}
     try:
-        return gltf_scene.Scene(path), "source"
+        return gltf_scene.Scene(path, **sizes), "source"
     except ValueError:
-        return baked, "baked"
+        return gltf_scene.Scene(baked_path, **sizes), "baked"
 
 
 def keep_open_points(tracer, footprints, seed):
@@ -67,13 +69,13 @@ def figures(baked, truth, error):
             "points": len(truth)}
 
 
-def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading"):
+def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading", light=lights.Light()):
     """Returns the figures, and the arrays they come from."""
     import pathtrace
     baked_scene = gltf_scene.Scene(baked_path)
     maps = lightmap.Lightmaps(baked_scene, baked_path)
-    truth_scene, origin = load_truth_scene(scene_path, baked_scene)
-    tracer = pathtrace.Tracer(truth_scene)
+    truth_scene, origin = load_truth_scene(scene_path, baked_path, light)
+    tracer = pathtrace.Tracer(truth_scene, light.emitter())
     chosen, buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
     baked = np.array([maps.value(f.page, f.x, f.y) for f in chosen])
     flat = np.array([f.flat for f in chosen])
@@ -124,10 +126,11 @@ def main():
     parser.add_argument("--out", metavar="PREFIX", help="write PREFIX.json and PREFIX.npz")
     parser.add_argument("--png-errormap", metavar="FILE")
     parser.add_argument("--normals", choices=["shading", "geometric"], default="shading", help="at the compared points")
+    lights.add_options(parser)
     options = parser.parse_args()
     begin = time.time()
     result, arrays, maps = compare(options.scene, options.baked, options.points, options.spp, options.seed,
-                                   options.normals)
+                                   options.normals, lights.from_options(options))
     result["seconds"] = round(time.time() - begin, 1)
     text = json.dumps(result, indent=1)
     print(text)
