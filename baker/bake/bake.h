@@ -37,6 +37,7 @@ struct BakeOptions {
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
     BadValues bad_values = BadValues::clamp;  ///< numbers of materials and lamps that cannot be
+    bool blend_colours = false;  ///< light that alpha BLEND lets through takes the base colour (scene/see_through.h)
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory

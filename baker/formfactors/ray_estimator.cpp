@@ -117,7 +117,8 @@ class RayEstimator final : public Estimator {
                 __builtin_prefetch(texels[k].patch);
             }
             for (std::size_t k = 0; k < size; ++k) {
-                const Landing at = landing(patches_, hits[k], texels[k]);
+                Landing at = landing(patches_, hits[k], texels[k]);
+                if (!survives_tint(rays.at(k), hits[k].tint)) at.end = RayEnd::back;
                 Landings& landings = out[bundle.replicate[bundle.order[first + k]]];
                 if (at.end == RayEnd::patch)
                     landings.patches.push_back(at.patch);

@@ -43,7 +43,7 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
     return lamp.intensity * scale;
 }
 
-bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
+Rgb LampLight::transmittance(const Lamp& lamp, const LightPoint& at) const {
     TraceRay ray;
     ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
     ray.from_triangle = at.triangle;
@@ -53,17 +53,24 @@ bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
     } else {
         const Vec3f to_lamp = lamp.position - ray.origin;
         distance = to_lamp.length();
-        if (!(distance > 0)) return true;
+        if (!(distance > 0)) return {1, 1, 1};
         ray.direction = to_lamp / distance;
     }
     // A lamp behind the surface itself cannot light it, whatever the shading normal says.
-    if (ray.direction.dot(at.geometric_normal) <= 0) return false;
-    return !tracer_.occluded(ray, distance);
+    if (ray.direction.dot(at.geometric_normal) <= 0) return {0, 0, 0};
+    return tracer_.transmittance(ray, distance);
+}
+
+Rgb LampLight::arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const {
+    const Rgb share = transmittance(lamp, at);
+    // In the dark nothing arrives, were the lamp so near that its light is not a number.
+    const auto part = [&](int c) { return share[c] > 0 ? light[c] * share[c] : 0.0f; };
+    return {part(0), part(1), part(2)};
 }
 
 Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at) const {
     const Rgb light = unshadowed_irradiance(scene_.lamps[lamp], at.position, at.shading_normal);
-    return light != Rgb(0, 0, 0) && visible(scene_.lamps[lamp], at) ? light : Rgb(0, 0, 0);
+    return light != Rgb(0, 0, 0) ? arriving(light, scene_.lamps[lamp], at) : light;
 }
 
 Rgb LampLight::irradiance(const LightPoint& at, float random) const {
@@ -82,12 +89,12 @@ Rgb LampLight::irradiance(const LightPoint& at, float random) const {
     float rest = total;
     for (; k < candidates.size() && rest > weak_share * total; ++k) {
         rest -= candidates[k].strength;
-        if (visible(scene_.lamps[candidates[k].lamp], at)) sum += candidates[k].irradiance;
+        sum += arriving(candidates[k].irradiance, scene_.lamps[candidates[k].lamp], at);
     }
     const std::size_t weak_begin = k;
     if (candidates.size() - weak_begin <= static_cast<std::size_t>(weak_samples)) {
         for (; k < candidates.size(); ++k)
-            if (visible(scene_.lamps[candidates[k].lamp], at)) sum += candidates[k].irradiance;
+            sum += arriving(candidates[k].irradiance, scene_.lamps[candidates[k].lamp], at);
         return sum;
     }
     float weak_total = 0;
@@ -103,8 +110,8 @@ Rgb LampLight::irradiance(const LightPoint& at, float random) const {
             ++picks;
             ++next;
         }
-        if (picks && visible(scene_.lamps[candidates[k].lamp], at))
-            sum += candidates[k].irradiance *
+        if (picks)
+            sum += arriving(candidates[k].irradiance, scene_.lamps[candidates[k].lamp], at) *
                    (static_cast<float>(picks) * weak_total / (weak_samples * candidates[k].strength));
     }
     return sum;

@@ -1,4 +1,4 @@
-/// Direct light of KHR_lights_punctual lamps at a point.
+/// Direct light of KHR_lights_punctual lamps at a point. Panes on the way take their colour from it (Tracer::transmittance).
 ///
 /// point, spot   E = I cos(theta) / d^2; spot times clamp((cos a - cos outer) / (cos inner - cos outer), 0, 1)^2;
 ///               with a range: times clamp(1 - (d / range)^4, 0, 1). directional: E = lux * cos(theta).
@@ -34,7 +34,10 @@ class LampLight {
     [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at) const;
 
   private:
-    [[nodiscard]] bool visible(const Lamp& lamp, const LightPoint& at) const;
+    /// What is left of `light` of a lamp after all that stands between.
+    [[nodiscard]] Rgb arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const;
+    /// 0..1 per channel.
+    [[nodiscard]] Rgb transmittance(const Lamp& lamp, const LightPoint& at) const;
     const Scene& scene_;
     const Tracer& tracer_;
 };

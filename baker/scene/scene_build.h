@@ -27,13 +27,14 @@ struct DecodedImage {
     std::vector<std::array<float, 4>> rgba;
 };
 
-/// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image.
+/// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image and use (colours; numbers).
 using ImageDecoder = std::function<std::optional<DecodedImage>(ByteView bytes, const std::string& name)>;
 
 struct BuildOptions {
     bool textures = true;  ///< false: textures count as white, for a first look or for tests
     BadValues bad_values = BadValues::clamp;
-    std::string file;  ///< named in errors
+    bool blend_colours = false;  ///< light through alpha BLEND takes the base colour
+    std::string file = {};  ///< named in errors
 };
 
 Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,

@@ -34,7 +34,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
                                 encoding = "srgb8", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off";
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
@@ -68,6 +68,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.output = a.output;
     o.work = a.work;
     o.bad_values = a.bad_values == "refuse" ? BadValues::refuse : BadValues::clamp;
+    o.blend_colours = a.blend_colour == "on";
     o.unwrap.texels_per_metre = a.texels_per_metre;
     o.unwrap.page_size = a.atlas_size;
     o.unwrap.padding = a.padding;
@@ -108,6 +109,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"output", a.output},
             {"quality", a.quality},
             {"bad-values", a.bad_values},
+            {"blend-colour", a.blend_colour},
             {"texels-per-metre", a.texels_per_metre > 0 ? fmt::format("{}", a.texels_per_metre) : "auto"},
             {"atlas-size", std::to_string(o.unwrap.page_size)},
             {"padding", std::to_string(o.unwrap.padding)},
@@ -220,6 +222,9 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--blend-colour,--blend-color", a.blend_colour,
+                       "light that alpha BLEND lets through takes the base colour, like coloured glass; off: alpha covers, the rest is clear")
+        ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--bad-values", a.bad_values,
                        "colours outside 0 to 1, light below 0 or above 1e30: the nearest that can be, with a warning, or an error")
         ->check(CLI::IsMember({"clamp", "refuse"}))->capture_default_str()->group("Running");
