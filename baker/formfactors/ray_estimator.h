@@ -2,7 +2,7 @@
 /// that land on j estimates F_ij (Cohen and Wallace, Radiosity and Realistic Image Synthesis, 1993, section 4.5).
 /// Where surfaces let light through, a ray counts whole or not at all: it meets each with the chance of its opacity, and survives the
 /// colours of the panes that it passed by the mean of their channels, or counts as absorbed. So counts stay symmetric in
-/// expectation, and light between patches passes panes as grey: only gathering and lamps see their colour.
+/// expectation, and the solve dims light between patches without colour; what is lost is put back afterwards (light/pane_colour.h).
 /// Points of four-dimensional Owen-scrambled Sobol sequences (core/sobol.h), one independent scramble per replicate.
 #pragma once
 #include "baker/formfactors/estimator.h"

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "baker/bake/bake_folder.h"
+#include "baker/bake/geometry_stages.h"
+#include "baker/bake/stage_clock.h"
 #include "tests/bake/whole_bake.h"
 #include "tests/support/temporary_folder.h"
 
@@ -105,6 +108,51 @@ TEST(SeeThroughBake, TheColourOfBlendingIsInTheKeys) {
     const FinishedBake coloured = bake_in(folder / "coloured", options);
     EXPECT_NE(plain.files("evidence").begin()->first, coloured.files("evidence").begin()->first);
     EXPECT_GT(plain.report.absorbed_lm[1], coloured.report.absorbed_lm[1]);
+}
+
+/// Mean irradiance of the room behind the pane, per channel.
+std::array<double, 3> dark_room_light(const std::filesystem::path& folder, const std::array<double, 3>& tint, std::uint32_t gather_rays) {
+    BakeOptions options = small_options(edited_sample("glass_room", folder / "scene", [&](nlohmann::json& document) {
+                                            for (auto& material : document["materials"])
+                                                if (material["name"] == "pane")
+                                                    material["pbrMetallicRoughness"]["baseColorFactor"] = {tint[0], tint[1], tint[2], 1.0};
+                                        }),
+                                        folder / "out.glb");
+    options.work = folder / "work";
+    options.gather_rays = gather_rays;
+    options.rays = 1024;
+    bake(options);
+    const BakeFolder bake_folder(options.work, options.output);
+    BakeReport ignored;
+    StageClock clock(options, ignored);
+    const auto geometry = prepare_geometry(options, bake_folder, clock, ignored);
+    const std::vector<float> irradiance = stored_irradiance(options.work);
+    std::array<double, 3> sum{};
+    std::size_t at = 0, count = 0;
+    for (const PageTexels& page : geometry->texels.pages)
+        for (const Texel& texel : page.texels) {
+            const bool is_dark = geometry->scene.objects[geometry->atlas.charts[texel.chart].object].name.starts_with("/dark_room");
+            count += is_dark;
+            for (double& channel : sum) channel += is_dark ? static_cast<double>(irradiance[at]) : 0.0, ++at;
+        }
+    EXPECT_EQ(at, irradiance.size());
+    for (double& channel : sum) channel /= static_cast<double>(count);
+    return sum;
+}
+
+/// Channels know nothing of each other: what a tinted pane does to one is what a grey pane does to all, bounces of
+/// light in the room behind it included.
+TEST(SeeThroughBake, ChannelsAreWhatGreyPanesMakeOfThem) {
+    const TemporaryFolder folder;
+    const std::array<double, 3> tint{0.25, 0.8, 0.4};
+    for (const std::uint32_t gather_rays : {0u, 16u}) {
+        const std::filesystem::path here = folder / std::to_string(gather_rays);
+        const auto tinted = dark_room_light(here / "tinted", tint, gather_rays);
+        for (const std::size_t c : {0u, 1u, 2u}) {
+            const auto grey = dark_room_light(here / std::to_string(c), {tint[c], tint[c], tint[c]}, gather_rays);
+            EXPECT_NEAR(tinted[c] / grey[c], 1, 0.03) << "channel " << c << ", rays " << gather_rays;
+        }
+    }
 }
 
 }  // namespace
