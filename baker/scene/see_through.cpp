@@ -42,19 +42,14 @@ Passage surface_passage(const Scene& scene, std::uint32_t triangle, float b1, fl
 SeeThroughMean mean_see_through(const Scene& scene, std::uint32_t triangle, std::span<const Vec2f> points) {
     const Material& material = scene.material_of(triangle);
     SeeThroughMean mean;
-    Rgb plain_reflectance(0, 0, 0), plain_emission(0, 0, 0);
     for (const Vec2f& b : points) {
         const Cover at = cover_at(scene, material, triangle, b.x, b.y);
-        const Rgb reflectance = surface_reflectance(scene, triangle, b.x, b.y);
-        const Rgb emission = surface_emission(scene, triangle, b.x, b.y);
         mean.coverage += at.coverage, mean.opacity += at.opacity;
-        mean.reflectance += reflectance * at.opacity, mean.emission += emission * at.opacity;
-        plain_reflectance += reflectance, plain_emission += emission;
+        mean.reflectance += surface_reflectance(scene, triangle, b.x, b.y) * at.opacity;
+        mean.emission += surface_emission(scene, triangle, b.x, b.y) * at.opacity;
     }
+    if (mean.opacity > 0) mean.reflectance /= mean.opacity, mean.emission /= mean.opacity;
     const auto count = static_cast<float>(points.size());
-    const bool is_met = mean.opacity > 0;
-    mean.reflectance = is_met ? mean.reflectance / mean.opacity : plain_reflectance / count;
-    mean.emission = is_met ? mean.emission / mean.opacity : plain_emission / count;
     mean.coverage /= count, mean.opacity /= count;
     return mean;
 }

@@ -30,7 +30,7 @@ Passage surface_passage(const Scene& scene, std::uint32_t triangle, float b1, fl
 /// Means over points of a surface that can be seen through, (b1, b2) each; at least one.
 struct SeeThroughMean {
     float coverage = 0, opacity = 0;  ///< 0..1
-    Rgb reflectance{0, 0, 0};  ///< of the surface that is met: weighted by opacity (where that is 0, by nothing)
+    Rgb reflectance{0, 0, 0};  ///< of the surface that is met: weighted by opacity; 0 where nothing is
     Rgb emission{0, 0, 0};     ///< the same, lm/m2: opacity times emission is what an area sends
 };
 SeeThroughMean mean_see_through(const Scene& scene, std::uint32_t triangle, std::span<const Vec2f> points);

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "baker/core/sobol.h"
-#include "baker/trace/surface_map.h"
 
 namespace luxel {
 namespace {

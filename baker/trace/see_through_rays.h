@@ -57,7 +57,7 @@ class SeeThroughQuery : public EmbreeContext {
     std::vector<Pane> panes_;  ///< by lane, then triangle
 };
 
-/// For a geometry whose user pointer is its see_through_geometry: must outlive it.
+/// What the user pointer of a geometry with the filter points to; must outlive it.
 struct SeeThroughGeometry {
     const std::uint32_t* triangle_of = nullptr;  ///< per primitive of the geometry
 };

@@ -28,8 +28,4 @@ inline Landing landing(const Scene&, const Atlas& atlas, const PatchSet& patches
     return landing(patches, hit, surface_texel(atlas, patches, hit.triangle, hit.b1, hit.b2));
 }
 
-/// A count is whole or nothing: of rays through tinted panes as many survive as the mean of the channels says, by a hash of the
-/// ray's own bits; the others end as absorbed.
-bool survives_tint(const TraceRay& ray, const Rgb& tint);
-
 }  // namespace luxel

@@ -171,7 +171,10 @@ Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
 
 Tracer::~Tracer() = default;
 
-std::uint64_t Tracer::resident_bytes() const { return static_cast<std::uint64_t>(std::max<std::int64_t>(state_->bytes, 0)); }
+std::uint64_t Tracer::resident_bytes() const {
+    const std::size_t numbers = state_->triangles[0].size() + state_->triangles[1].size();
+    return static_cast<std::uint64_t>(std::max<std::int64_t>(state_->bytes, 0)) + numbers * sizeof(std::uint32_t);
+}
 
 bool Tracer::is_see_through() const { return state_->is_see_through; }
 

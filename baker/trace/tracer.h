@@ -85,7 +85,7 @@ class Tracer {
     /// Does anything in the scene let light through? If not, tints are 1 and transmittances 0 or 1.
     [[nodiscard]] bool is_see_through() const;
 
-    /// Bytes that Embree has allocated for this scene (its own copy of nothing: vertices are shared).
+    /// Bytes that Embree has allocated for this scene, and its numbers of triangles where some are see-through.
     [[nodiscard]] std::uint64_t resident_bytes() const;
 
   private:
@@ -97,6 +97,10 @@ class Tracer {
                                   SeeThroughQuery* query, std::size_t lane) const;
     std::unique_ptr<State> state_;
 };
+
+/// A count is whole or nothing: of rays through tinted panes as many survive as the mean of the channels says, by a hash of the
+/// ray's own bits; the others end as absorbed.
+bool survives_tint(const TraceRay& ray, const Rgb& tint);
 
 /// What the identity of results depends on beside the inputs: part of the evidence key.
 const char* tracer_identity();

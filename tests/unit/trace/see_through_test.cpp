@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "baker/trace/surface_map.h"
+#include "baker/trace/tracer.h"
 #include "tests/support/see_through.h"
 
 namespace luxel {
