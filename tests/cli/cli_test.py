@@ -97,7 +97,7 @@ class Help(Case):
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "constant", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--memory": "1G",
-              "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
