@@ -7,6 +7,7 @@ import json
 import math
 import os
 import struct
+import zlib
 
 
 def subtract(a, b):
@@ -65,6 +66,17 @@ def lathe(profile, segments):
     return faces
 
 
+def png(width, height, rgba):
+    """An uncompressed PNG, so that the bytes are the same with every zlib; rgba: bytes, row 0 at the top."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    raw = b"".join(b"\0" + rgba[4 * width * y:4 * width * (y + 1)] for y in range(height))
+    blocks = b"".join(struct.pack("<BHH", at + 65535 >= len(raw), len(part), 65535 - len(part)) + part
+                      for at in range(0, len(raw), 65535) for part in [raw[at:at + 65535]])
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)) +
+            chunk(b"IDAT", b"\x78\x01" + blocks + struct.pack(">I", zlib.adler32(raw))) + chunk(b"IEND", b""))
+
+
 class Gltf:
     """One scene under construction. Materials and meshes are kept under their names and shared."""
 
@@ -73,8 +85,8 @@ class Gltf:
         self.views, self.accessors, self.roots = [], [], []
         self.blob = bytearray()
         self.material_ids, self.mesh_ids = {}, {}
-        self.lights = []
-        self.uses_strength = False
+        self.images, self.lamps = [], []
+        self.extensions = []
 
     def material(self, name, reflectance, nits=None, double_sided=False):
         """Diffuse material; nits: luminance per linear Rec.709 channel of an emissive one. Returns its index."""
@@ -85,12 +97,34 @@ class Gltf:
                 strength = max(nits)
                 entry["emissiveFactor"] = [n / strength for n in nits]
                 entry["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": float(strength)}}
-                self.uses_strength = True
+                self._use("KHR_materials_emissive_strength")
             if double_sided:
                 entry["doubleSided"] = True
             self.material_ids[name] = len(self.materials)
             self.materials.append(entry)
         return self.material_ids[name]
+
+    def _use(self, extension):
+        if extension not in self.extensions:
+            self.extensions.append(extension)
+
+    def mask(self, material, picture, cutoff=0.5):
+        """Cuts holes where alpha of the picture (PNG bytes, repeated) is below the cutoff; its colours count too."""
+        while len(self.blob) % 4:
+            self.blob.append(0)
+        self.views.append({"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(picture)})
+        self.blob += picture
+        self.images.append({"bufferView": len(self.views) - 1, "mimeType": "image/png"})
+        entry = self.materials[material]
+        entry["pbrMetallicRoughness"]["baseColorTexture"] = {"index": len(self.images) - 1}
+        entry.update(alphaMode="MASK", alphaCutoff=cutoff)
+        return material
+
+    def glass(self, material, transmission=1.0):
+        """A thin pane in the material's colour."""
+        self.materials[material]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": transmission}}
+        self._use("KHR_materials_transmission")
+        return material
 
     def _accessor(self, data, component, kind, count, target, **limits):
         while len(self.blob) % 4:
@@ -101,8 +135,9 @@ class Gltf:
                                "type": kind, **limits})
         return len(self.accessors) - 1
 
-    def mesh(self, name, faces, material):
-        """Indexed triangles of convex faces; returns the mesh index. A second call with a known name shares the mesh."""
+    def mesh(self, name, faces, material, uv=None):
+        """Indexed triangles of convex faces; returns the mesh index. A second call with a known name shares the mesh.
+        uv: from a corner to its texture coordinates."""
         if name in self.mesh_ids:
             return self.mesh_ids[name]
         points, indices = [], []
@@ -116,9 +151,12 @@ class Gltf:
         wide = len(points) > 65535
         index = self._accessor(struct.pack(f"<{len(indices)}{'I' if wide else 'H'}", *indices), 5125 if wide else 5123,
                                "SCALAR", len(indices), 34963)
+        attributes = {"POSITION": position}
+        if uv is not None:
+            attributes["TEXCOORD_0"] = self._accessor(b"".join(struct.pack("<2f", *uv(p)) for p in points), 5126, "VEC2", len(points), 34962)
         self.mesh_ids[name] = len(self.meshes)
         self.meshes.append({"name": name, "primitives": [
-            {"attributes": {"POSITION": position}, "indices": index, "material": material, "mode": 4}]})
+            {"attributes": attributes, "indices": index, "material": material, "mode": 4}]})
         return self.mesh_ids[name]
 
     def node(self, name, mesh=None, parent=None, translation=None, turn_degrees=0.0, scale=None):
@@ -140,7 +178,8 @@ class Gltf:
 
     def lamp(self, name, light, position, direction=(0, 0, -1), extras=None):
         """A node with a light of KHR_lights_punctual: light as in that extension, direction where it shines to."""
-        self.lights.append({"name": name, **light})
+        self.lamps.append({"name": name, **light})
+        self._use("KHR_lights_punctual")
         length = math.sqrt(dot(direction, direction))
         x, y, z = (c / length for c in direction)
         # the shortest turn from -Z; straight back it is about Y
@@ -148,14 +187,14 @@ class Gltf:
         size = math.sqrt(sum(c * c for c in turn))
         index = self.node(name, translation=position)
         self.nodes[index]["rotation"] = [c / size for c in turn]
-        self.nodes[index]["extensions"] = {"KHR_lights_punctual": {"light": len(self.lights) - 1}}
+        self.nodes[index]["extensions"] = {"KHR_lights_punctual": {"light": len(self.lamps) - 1}}
         if extras:
             self.nodes[index]["extras"] = extras
         return index
 
-    def piece(self, name, faces, material, parent=None):
+    def piece(self, name, faces, material, parent=None, uv=None):
         """A node with a mesh of its own."""
-        return self.node(name, self.mesh(name, faces, material), parent)
+        return self.node(name, self.mesh(name, faces, material, uv), parent)
 
     def triangle_count(self):
         """Triangles of all instances."""
@@ -170,11 +209,13 @@ class Gltf:
                     "scenes": [{"name": name, "nodes": self.roots}], "nodes": self.nodes, "meshes": self.meshes,
                     "materials": self.materials, "accessors": self.accessors, "bufferViews": self.views,
                     "buffers": [{"uri": name + ".bin", "byteLength": len(self.blob)}]}
-        if self.uses_strength:
-            document["extensionsUsed"] = ["KHR_materials_emissive_strength"]
-        if self.lights:
-            document.setdefault("extensionsUsed", []).append("KHR_lights_punctual")
-            document["extensions"] = {"KHR_lights_punctual": {"lights": self.lights}}
+        if self.images:
+            document["images"] = self.images
+            document["textures"] = [{"source": k} for k in range(len(self.images))]
+        if self.lamps:
+            document["extensions"] = {"KHR_lights_punctual": {"lights": self.lamps}}
+        if self.extensions:
+            document["extensionsUsed"] = self.extensions
         with open(os.path.join(folder, name + ".bin"), "wb") as file:
             file.write(self.blob)
         with open(os.path.join(folder, name + ".gltf"), "w", encoding="utf-8", newline="\n") as file:

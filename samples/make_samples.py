@@ -14,7 +14,7 @@ import os
 
 import open_plan
 import rooms
-from gltf_writer import Gltf, box, facing, rectangle
+from gltf_writer import Gltf, box, facing, png, rectangle
 
 ONE_LM_PER_M2 = [1 / math.pi] * 3   # nits of a surface with exitance M = pi L = 1 lm/m2
 
@@ -170,6 +170,49 @@ def lamps_over_floor(_):
     return gltf
 
 
+def fence(_):
+    """A lattice cut out of an alpha mask, 4 x 2 m, in the sun, on a floor and before a wall."""
+    gltf = Gltf()
+    size, bar = 64, 6   # pixels of a square of 0.5 m, half the width of a bar along the square's side
+
+    def is_bar(x, y):
+        return min((x + y) % size, -(x + y) % size, (x - y) % size, (y - x) % size) <= bar
+
+    pixels = b"".join(b"\xff\xff\xff\xff" if is_bar(x, y) else b"\xff\xff\xff\0" for y in range(size) for x in range(size))
+    lattice = gltf.mask(gltf.material("lattice", (0.35, 0.2, 0.1), double_sided=True), png(size, size, pixels))
+    plaster = gltf.material("plaster", (0.7, 0.7, 0.65))
+    gltf.piece("floor", [rectangle(1, 0.0, (-3, -2), (3, 2.5), 1)], gltf.material("stone", (0.5, 0.48, 0.45)))
+    gltf.piece("wall", [rectangle(2, -2.0, (-3, 0), (3, 3), 1)], plaster)
+    gltf.piece("lattice", [rectangle(2, 0.0, (-2, 0), (2, 2), 1)], lattice, uv=lambda p: (2 * p[0], -2 * p[1]))
+    posts = gltf.material("posts", (0.3, 0.2, 0.15))
+    for name, x in (("left", -2.06), ("right", 2.06)):
+        gltf.piece("post_" + name, box((x - 0.05, 0, -0.05), (x + 0.05, 2.1, 0.05), omit=("-y",)), posts)
+    gltf.lamp("sun", {"type": "directional", "color": [1.0, 0.95, 0.85], "intensity": 10000.0}, (0, 5, 0), (0.35, -1, -0.8))
+    return gltf
+
+
+def glass_room(_):
+    """Two rooms of 3 x 2.5 x 3 m; the first has no lamp, only a window of 2 x 1.5 m with a green pane to the second."""
+    gltf = Gltf()
+    white = gltf.material("white", (0.7, 0.7, 0.7))
+    low, high = (0.5, 0.5), (2.0, 2.5)   # y and z of the window
+    for name, near, far in (("dark_room", 3.0, 0.0), ("lit_room", 3.1, 6.1)):
+        x0, x1, inward = min(near, far), max(near, far), 1 if far > near else -1
+        faces = [rectangle(1, 0.0, (x0, 0), (x1, 3), 1), rectangle(1, 2.5, (x0, 0), (x1, 3), -1),
+                 rectangle(2, 0.0, (x0, 0), (x1, 2.5), 1), rectangle(2, 3.0, (x0, 0), (x1, 2.5), -1),
+                 rectangle(0, far, (0, 0), (2.5, 3), -inward)]
+        faces += [rectangle(0, near, a, b, inward) for a, b in (
+            ((0, 0), (low[0], 3)), ((high[0], 0), (2.5, 3)), ((low[0], 0), (high[0], low[1])), ((low[0], high[1]), (high[0], 3)))]
+        gltf.piece(name, faces, white)
+    gltf.piece("reveal", [rectangle(1, low[0], (3.0, low[1]), (3.1, high[1]), 1), rectangle(1, high[0], (3.0, low[1]), (3.1, high[1]), -1),
+                          rectangle(2, low[1], (3.0, low[0]), (3.1, high[0]), 1), rectangle(2, high[1], (3.0, low[0]), (3.1, high[0]), -1)],
+               white)
+    pane = gltf.glass(gltf.material("pane", (0.25, 0.8, 0.4), double_sided=True))
+    gltf.piece("pane", [rectangle(0, 3.05, low, high, -1)], pane)
+    gltf.piece("lamp", [rectangle(1, 2.45, (4.2, 1), (5.0, 2), -1)], gltf.material("lamp", (0, 0, 0), (800, 750, 700)))
+    return gltf
+
+
 def furnished_rooms(columns, rows, lit):
     """Furnished rooms as in the corridors; lit(i, j) says which have a lamp."""
     gltf = Gltf()
@@ -190,6 +233,8 @@ SAMPLES = {
     "two_squares_parallel": lambda _: two_squares(rectangle(1, 1.0, (0, 0), (1, 1), -1)),
     "two_squares_perpendicular": lambda _: two_squares(rectangle(0, 0.0, (0, 0), (1, 1), 1)),
     "two_rooms": two_rooms,
+    "fence": fence,
+    "glass_room": glass_room,
     "corridor_4": lambda _: corridor(2, 2),
     "corridor_16": lambda _: corridor(4, 4),
     "corridor_64": lambda _: corridor(8, 8),

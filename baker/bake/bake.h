@@ -52,6 +52,7 @@ struct BakeOptions {
     double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
     double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none
     SkyChoice sky;
+    bool blend_colours = false;  ///< light that alpha BLEND lets through takes the base colour (scene/see_through.h)
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory

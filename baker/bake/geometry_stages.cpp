@@ -4,6 +4,7 @@
 #include "baker/core/memory.h"
 #include "baker/patches/patch_build.h"
 #include "baker/patches/patch_set.h"
+#include "baker/patches/see_through_texels.h"
 #include "baker/patches/texel_raster.h"
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
@@ -48,17 +49,6 @@ SkyWish read_sky(const SkyChoice& choice) {
     return wish;
 }
 
-/// Parts of glTF that are read and carried through, but do not yet take part in the light.
-void warn_of_simplifications(const Scene& scene, std::vector<Warning>& warnings) {
-    std::vector<bool> used(scene.materials.size());
-    for (const Object& object : scene.objects) used[object.material] = true;
-    for (std::size_t m = 0; m < scene.materials.size(); ++m)
-        if (used[m] && scene.materials[m].alpha_mode != AlphaMode::opaque)
-            warnings.push_back({"alpha-opaque", scene.materials[m].name,
-                                "alpha " + std::string(scene.materials[m].alpha_mode == AlphaMode::mask ? "MASK" : "BLEND") +
-                                    " counts as opaque for light"});
-}
-
 Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
     return KeyBuilder("atlas 1")
         .key(scene.geometry_key)
@@ -76,12 +66,12 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
     const BuildOptions build{.bad_values = options.bad_values,
+                             .blend_colours = options.blend_colours,
                              .file = options.input.filename().string(),
                              .lamp_radius = options.lamp_radius,
                              .sun_angle_degrees = options.sun_angle_degrees,
                              .sky = read_sky(options.sky)};
     g.scene = build_scene(g.record, decode, build, report.warnings);
-    warn_of_simplifications(g.scene, report.warnings);
     if (g.scene.triangles.empty())
         throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",
                     "nothing can be baked; check that the default scene shows a mesh");
@@ -181,6 +171,7 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
     clock.stage("visible", [&] {
         g->tracer = std::make_unique<Tracer>(g->scene);
         find_visible_area(g->scene, g->atlas, *g->tracer, reach_behind_walls_m(options, g->atlas), g->texels);
+        thin_see_through(g->scene, g->atlas, g->texels);
         find_texel_joints(g->scene, g->atlas, *g->tracer, g->texels);
         return false;
     });

@@ -6,6 +6,7 @@
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
 #include "baker/light/gather.h"
+#include "baker/light/pane_colour.h"
 #include "baker/light/patch_irradiance.h"
 #include "baker/light/sky.h"
 
@@ -35,6 +36,8 @@ class PageLighter {
     /// Empty: there was no time for it.
     std::vector<Rgb> light(std::uint32_t page, ProgressCounter& progress) {
         if (is_stopping(options_)) return {};
+        find_colours();
+        if (is_stopping(options_)) return {};  // there may have been no time for all colours
         if (options_.gather_rays) {
             // What is nearer than a patch is wide sees it as more than one brightness.
             const float near_m = patch_side_m(options_, g_.atlas);
@@ -44,12 +47,24 @@ class PageLighter {
         if (irradiance_.empty()) {
             ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
             irradiance_ = patch_irradiance(strips, solution_.result.radiosity, sources_.lamp_irradiance);
+            for (std::size_t p = 0; p < colours_.size(); ++p)
+                irradiance_[p] = recoloured(irradiance_[p], sources_.lamp_irradiance[p], colours_[p]);
         }
         progress.add(g_.texels.pages[page].texels.size());
         return interpolate_page(g_.atlas, g_.texels, g_.patches, irradiance_, page, options_.patch_texels, options_.interpolation);
     }
 
   private:
+    /// Once, when the first page needs them.
+    void find_colours() {
+        if (has_colours_) return;
+        has_colours_ = true;
+        colours_ = pane_colours({g_.scene, g_.atlas, g_.patches, *g_.tracer, reflected_, sources_.lamp_irradiance},
+                                {.seed = options_.seed, .stop = options_.stop});
+        for (std::size_t p = 0; p < colours_.size(); ++p)
+            reflected_[p] = recoloured(reflected_[p], g_.patches.patches[p].reflectance * sources_.lamp_irradiance[p], colours_[p]);
+    }
+
     const BakeOptions& options_;
     const BakedGeometry& g_;
     const BakedSources& sources_;
@@ -59,6 +74,8 @@ class PageLighter {
     std::optional<Sky> sky_;
     std::vector<Rgb> reflected_;   // per patch
     std::vector<Rgb> irradiance_;  // per patch, only for drafts
+    std::vector<Rgb> colours_;     // per patch, only where panes tint
+    bool has_colours_ = false;
 };
 
 Key light_key(const BakeOptions& options, const Key& solution) {

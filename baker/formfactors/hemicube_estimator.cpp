@@ -78,6 +78,12 @@ Vec2f foot_on(const Scene& scene, std::uint32_t triangle, const Vec3f& point) {
     return {static_cast<float>(p.cross(v).dot(n) / n.length2()), static_cast<float>(u.cross(p).dot(n) / n.length2())};
 }
 
+/// What panes leave of a pixel's weight, by the mean of their channels: exact up to the steps of weights.
+std::uint32_t surviving(std::uint32_t weight, const Rgb& tint) {
+    if (tint == Rgb(1, 1, 1)) return weight;
+    return static_cast<std::uint32_t>(std::lround(static_cast<double>(weight) * static_cast<double>(tint.x + tint.y + tint.z) / 3));
+}
+
 class HemicubeEstimator final : public Estimator {
   public:
     HemicubeEstimator(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,
@@ -142,7 +148,9 @@ class HemicubeEstimator final : public Estimator {
         }
         tracer_.first_hits({rays.data(), count}, {hits.data(), count});
         for (std::size_t k = 0; k < count; ++k) {
-            const std::uint32_t weight = weights_.weight(face, row, column + static_cast<std::uint32_t>(k));
+            const std::uint32_t whole = weights_.weight(face, row, column + static_cast<std::uint32_t>(k));
+            const std::uint32_t weight = surviving(whole, hits[k].tint);
+            out.back += whole - weight;
             if (weight == 0) continue;
             const Landing at = landing(scene_, atlas_, patches_, hits[k]);
             if (at.end == RayEnd::patch)

@@ -10,6 +10,9 @@
 /// middle of a visible piece of the patch. The cube is turned about the normal by an angle drawn from patch id and seed: fixed for the patch
 /// for ever, different for neighbours, so that aliases of a row of patches do not add up to a pattern.
 ///
+/// Surfaces that let light through are met by chance, as by rays (ray_estimator.h); of a pixel's weight behind tinted panes the mean of
+/// the channels is left, the rest counts as absorbed.
+///
 /// The item buffer is filled by a ray through the centre of each pixel rather than by a raster: its rules of sides, of
 /// coincident triangles and of rays at their own surface are then those of all other light, its cost grows with the logarithm
 /// of the number of triangles (a raster draws every triangle for every patch), and a patch is found by texel, not by polygon.

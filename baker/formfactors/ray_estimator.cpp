@@ -102,6 +102,7 @@ class RayEstimator final : public Estimator {
         const std::size_t count = std::exchange(bundle.count, 0);
         order_by_direction(std::span(bundle.u).first(count), std::span(bundle.v).first(count),
                            std::span(bundle.order).first(count));
+        const bool is_tinted = tracer_.is_see_through();
         const RayCoherence coherence = count >= packet_rays ? RayCoherence::together : RayCoherence::apart;
         RayColumns rays;
         std::array<TraceHit, RayColumns::capacity> hits;
@@ -117,7 +118,8 @@ class RayEstimator final : public Estimator {
                 __builtin_prefetch(texels[k].patch);
             }
             for (std::size_t k = 0; k < size; ++k) {
-                const Landing at = landing(patches_, hits[k], texels[k]);
+                Landing at = landing(patches_, hits[k], texels[k]);
+                if (is_tinted && !survives_tint(rays.at(k), hits[k].tint)) at.end = RayEnd::back;
                 Landings& landings = out[bundle.replicate[bundle.order[first + k]]];
                 if (at.end == RayEnd::patch)
                     landings.patches.push_back(at.patch);

@@ -1,5 +1,6 @@
 /// Surfaces that emit, as things to aim at: small bright areas that cosine rays seldom find. Patches are gathered into
 /// clusters; a texel weighs the clusters by what they could send it, picks one, then a patch by power, then a point.
+/// Surfaces that let light through are left out, for their points do not all send: cosine rays find them.
 /// Source: next event estimation over clustered lights; combined with cosine rays by multiple importance sampling with the
 /// balance heuristic (Veach and Guibas, Optimally Combining Sampling Techniques for Monte Carlo Rendering, 1995).
 #pragma once

@@ -146,22 +146,22 @@ class TexelGather {
                     std::vector<NearVertex>& vertices, LightSum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
         if (at.end == RayEnd::open)
-            sum.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], shares.cosine_rays, shares.sky_rays), 1.0f);
+            sum.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], shares.cosine_rays, shares.sky_rays), batch.hits[k].tint);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
         const float share = 1.0f / static_cast<float>(shares.cosine_rays);
         if (near.is_near(batch.hits[k].distance_m))
-            vertices.push_back(near.vertex(batch.rays[k], batch.hits[k], at.patch, batch.number[k], Rgb(share, share, share)));
+            vertices.push_back(near.vertex(batch.rays[k], batch.hits[k], at.patch, batch.number[k], batch.hits[k].tint * share));
         else
-            sum.add(in_.reflected[at.patch], share);
-        if (emission != Rgb(0, 0, 0)) sum.add(emission, weight(batch, k, at.patch, shares));
+            sum.add(in_.reflected[at.patch], batch.hits[k].tint * share);
+        if (emission != Rgb(0, 0, 0)) sum.add(emission, batch.hits[k].tint * weight(batch, k, at.patch, shares));
     }
 
     void add_aimed(const TexelRays& batch, std::size_t k, const Plan& shares, LightSum& sum) const {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
         // Both kinds of rays mean the same by "sees patch j": the first hit is on it.
         if (at.end != RayEnd::patch || at.patch != batch.target[k].patch) return;
-        sum.add(in_.patches.patches[at.patch].emission, weight(batch, k, at.patch, shares));
+        sum.add(in_.patches.patches[at.patch].emission, batch.hits[k].tint * weight(batch, k, at.patch, shares));
     }
 
     /// Balance heuristic: cosine / pi over the sum of both densities of this direction, times the numbers of rays.

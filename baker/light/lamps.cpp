@@ -86,7 +86,7 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
     return lamp.intensity * beam(lamp, to_lamp, d, cosine / d2);
 }
 
-bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
+Rgb LampLight::transmittance(const Lamp& lamp, const LightPoint& at) const {
     TraceRay ray;
     ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
     ray.from_triangle = at.triangle;
@@ -96,12 +96,19 @@ bool LampLight::visible(const Lamp& lamp, const LightPoint& at) const {
     } else {
         const Vec3f to_lamp = lamp.position - ray.origin;
         distance = to_lamp.length();
-        if (!(distance > 0)) return true;
+        if (!(distance > 0)) return {1, 1, 1};
         ray.direction = to_lamp / distance;
     }
     // A lamp behind the surface itself cannot light it, whatever the shading normal says.
-    if (ray.direction.dot(at.geometric_normal) <= 0) return false;
-    return !tracer_.occluded(ray, distance);
+    if (ray.direction.dot(at.geometric_normal) <= 0) return {0, 0, 0};
+    return tracer_.transmittance(ray, distance);
+}
+
+Rgb LampLight::arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const {
+    const Rgb share = transmittance(lamp, at);
+    // In the dark nothing arrives, were the lamp so near that its light is not a number.
+    const auto part = [&](int c) { return share[c] > 0 ? light[c] * share[c] : 0.0f; };
+    return {part(0), part(1), part(2)};
 }
 
 /// Directions over the lamp with a density that goes with their cosine against its axis, so that a plane which faces the
@@ -112,7 +119,7 @@ Rgb LampLight::sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lam
     TraceRay ray;
     ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
     ray.from_triangle = at.triangle;
-    float sum = 0;
+    Rgb sum(0, 0, 0);
     static_assert(size_samples == 4);
     for (int k = 0; k < size_samples; ++k) {
         // One point in each quarter of the square.
@@ -129,14 +136,14 @@ Rgb LampLight::sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lam
             const float half_chord = std::sqrt(std::max(0.0f, lamp.radius * lamp.radius - (to_lamp - ray.direction * along).length2()));
             distance = view.inside() ? along + half_chord : along - half_chord;
         }
-        if (!tracer_.occluded(ray, distance)) sum += view.inside() ? 1.0f : cosine / local.z;
+        sum += tracer_.transmittance(ray, distance) * (view.inside() ? 1.0f : cosine / local.z);
     }
-    return view.perpendicular * (sum / size_samples);
+    return view.perpendicular * sum / static_cast<float>(size_samples);
 }
 
 Rgb LampLight::shadowed(const Lamp& lamp, const Rgb& unshadowed, const LightPoint& at, const Vec2f& on_lamp) const {
     if (is_sized(lamp)) return sized(lamp, at, on_lamp);
-    return visible(lamp, at) ? unshadowed : Rgb(0, 0, 0);
+    return arriving(unshadowed, lamp, at);
 }
 
 Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec2f& on_lamp) const {

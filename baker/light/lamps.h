@@ -1,4 +1,4 @@
-/// Direct light of KHR_lights_punctual lamps at a point.
+/// Direct light of KHR_lights_punctual lamps at a point. Panes on the way take their colour from it (Tracer::transmittance).
 ///
 /// point, spot   E = I cos(theta) / d^2; spot times clamp((cos a - cos outer) / max(cos inner - cos outer, 0.001), 0, 1)^2;
 ///               with a range: times clamp(1 - (d / range)^4, 0, 1). directional: E = lux * cos(theta).
@@ -47,9 +47,12 @@ class LampLight {
     [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec2f& on_lamp) const;
 
   private:
-    [[nodiscard]] bool visible(const Lamp& lamp, const LightPoint& at) const;
     [[nodiscard]] Rgb shadowed(const Lamp& lamp, const Rgb& unshadowed, const LightPoint& at, const Vec2f& on_lamp) const;
     [[nodiscard]] Rgb sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lamp) const;
+    /// What is left of `light` of a lamp after all that stands between.
+    [[nodiscard]] Rgb arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const;
+    /// 0..1 per channel.
+    [[nodiscard]] Rgb transmittance(const Lamp& lamp, const LightPoint& at) const;
     const Scene& scene_;
     const Tracer& tracer_;
 };

@@ -113,7 +113,7 @@ void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t de
         if (at.end != RayEnd::patch || at.patch != aimed.target[k]) continue;
         sum.add(in_.patches.patches[at.patch].emission *
                     emitter_weight(aimed.rays[k], aimed.hits[k], at.patch, aimed.cosine[k]),
-                vertices[aimed.vertex[k]].throughput);
+                vertices[aimed.vertex[k]].throughput * aimed.hits[k].tint);
     }
 }
 
@@ -130,17 +130,18 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
         const NearVertex& from = vertices[rays.vertex[k]];
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, rays.hits[k]);
         if (at.end == RayEnd::open)
-            sum.add(open_ray_light(in_.sky, rays.rays[k].direction, rays.cosine[k], 1, aimed_sky_rays(in_.sky, 1)), from.throughput);
+            sum.add(open_ray_light(in_.sky, rays.rays[k].direction, rays.cosine[k], 1, aimed_sky_rays(in_.sky, 1)), from.throughput * rays.hits[k].tint);
         if (at.end != RayEnd::patch) continue;
         const Patch& patch = in_.patches.patches[at.patch];
+        const Rgb throughput = from.throughput * rays.hits[k].tint;
         if (patch.emission != Rgb(0, 0, 0))
             sum.add(patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]),
-                    from.throughput);
-        const NearVertex next = vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, from.throughput, from.share);
+                    throughput);
+        const NearVertex next = vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, throughput, from.share);
         if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share)
             further.push_back(next);
         else
-            sum.add(in_.reflected[at.patch], from.throughput);
+            sum.add(in_.reflected[at.patch], throughput);
     }
     vertices = std::move(further);
 }

@@ -38,7 +38,7 @@ void add_bright_sky(const Scene& scene, const Atlas& atlas, const PatchSet& patc
             const float cosine = aim.direction.dot(at.normal);
             if (cosine <= 0 || !(aim.density > 0)) continue;
             const TraceRay ray{offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), aim.direction, at.triangle};
-            if (!tracer.occluded(ray, INFINITY)) sum += sky.radiance(aim.direction) * (cosine / aim.density);
+            sum += tracer.transmittance(ray, INFINITY) * sky.radiance(aim.direction) * (cosine / aim.density);
         }
         irradiance[p] += sum / static_cast<float>(points);
     });

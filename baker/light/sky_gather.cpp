@@ -38,8 +38,8 @@ void add_aimed_sky(const GatherInput& input, const SurfaceSampler& sampler, std:
         const float cosine = aim.direction.dot(sampler.shading_normal(at));
         if (cosine <= 0 || aim.direction.dot(at.normal) <= 0) continue;
         const TraceRay ray{offset_origin(at.position, at.normal, input.scene.corner_extent(at.triangle)), aim.direction, at.triangle};
-        if (!input.tracer.occluded(ray, INFINITY))
-            sum.add(balanced(*input.sky, aim.direction, cosine, cosine_rays, aimed_rays, aim.density), 1.0f);
+        sum.add(balanced(*input.sky, aim.direction, cosine, cosine_rays, aimed_rays, aim.density),
+                input.tracer.transmittance(ray, INFINITY));
     }
 }
 
@@ -52,8 +52,8 @@ void add_aimed_sky(const GatherInput& input, std::span<const NearVertex> vertice
         const float cosine = aim.direction.dot(at.normal);
         if (cosine <= 0) continue;
         const TraceRay ray{offset_origin(at.position, at.normal, input.scene.corner_extent(at.triangle)), aim.direction, at.triangle};
-        if (!input.tracer.occluded(ray, INFINITY))
-            sum.add(balanced(*input.sky, aim.direction, cosine, 1, 1, aim.density), at.throughput);
+        sum.add(balanced(*input.sky, aim.direction, cosine, 1, 1, aim.density),
+                at.throughput * input.tracer.transmittance(ray, INFINITY));
     }
 }
 

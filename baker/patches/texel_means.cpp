@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "baker/patches/fragment_polygon.h"
+#include "baker/patches/see_through_texels.h"
 #include "baker/scene/texture_sample.h"
 
 namespace luxel {
@@ -44,13 +45,19 @@ void average_texel(const Scene& scene, const Atlas& atlas, const PageTexels& pag
         const double weight = static_cast<double>(visible > 0 ? fragment.visible_m2() : fragment.area_m2);
         if (weight <= 0) continue;
         const Material& material = scene.material_of(fragment.triangle);
+        weights += weight;
+        if (material.is_see_through()) {
+            const SeeThroughMean mean = fragment_passage(scene, atlas, fragment).mean;
+            reflectance += to_double(mean.reflectance) * weight;
+            emission += to_double(mean.emission) * weight;
+            continue;
+        }
         const bool textured = material.base_texture != none || material.emissive_texture != none;
         const SurfaceFootprint footprint = textured ? footprint_of(scene, atlas, fragment) : SurfaceFootprint{};
         const Rgb rho = material.base_texture != none ? mean_reflectance(scene, fragment.triangle, footprint)
                                                       : surface_reflectance(scene, fragment.triangle, 0, 0);
         const Rgb exitance = material.emissive_texture != none ? mean_emission(scene, fragment.triangle, footprint)
                                                                : surface_emission(scene, fragment.triangle, 0, 0);
-        weights += weight;
         reflectance += to_double(rho) * weight;
         emission += to_double(exitance) * weight;
     }

@@ -8,7 +8,8 @@
 namespace luxel {
 
 /// Fills area_m2, visible_m2, reflectance and emission of a texel of `page` from its fragments (not empty). Textures are
-/// averaged per fragment as a whole; the mean over fragments counts what is visible of each.
+/// averaged per fragment as a whole; the mean over fragments counts what is visible of each, and what lets light through by
+/// its opacity (see_through_texels.h).
 void average_texel(const Scene& scene, const Atlas& atlas, const PageTexels& page, Texel& texel);
 
 }  // namespace luxel

@@ -35,8 +35,19 @@ struct Material {
     int emissive_uv_set = 0;
     std::array<float, 6> emissive_transform{1, 0, 0, 0, 1, 0};
     bool double_sided = false;
+    /// opaque too where no alpha of the material lets anything through: what is left can be seen through somewhere.
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
+    /// What passes through (see_through.h): the share of the surface that is a pane, 0..1, times red of its texture, and the
+    /// colour of panes, 0..1, times base texture.
+    float transmission = 0;
+    std::uint32_t transmission_texture = none;
+    int transmission_uv_set = 0;
+    std::array<float, 6> transmission_transform{1, 0, 0, 0, 1, 0};
+    Rgb pane_colour{1, 1, 1};
+    bool blend_colours = false;  ///< light through a BLEND surface takes the colour of panes too
+
+    [[nodiscard]] bool is_see_through() const { return alpha_mode != AlphaMode::opaque || transmission > 0; }
 };
 
 /// One primitive of one node: a run of triangles and vertices of the scene.
@@ -94,7 +105,8 @@ struct Scene {
     SkyMap sky;
     std::vector<bool> object_has_uv1;  ///< per object: did the file give TEXCOORD_1?
 
-    /// Of triangles, objects (paths, contents), sidedness and alpha: what rays can meet.
+    /// Of triangles, objects (paths, contents), sidedness, and of what lets light through how much of which colour: what rays
+    /// can meet.
     Key geometry_key;
     /// Of materials, textures, lamps and sky: what only the light depends on.
     Key light_key;

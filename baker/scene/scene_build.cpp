@@ -144,7 +144,8 @@ void report_missing_uv(const SceneRecord& record, const Scene& scene, std::vecto
         const auto lacks = [&](std::uint32_t texture, int uv_set) {
             return texture != none && primitive.uv[static_cast<std::size_t>(uv_set)].empty();
         };
-        if (lacks(material.base_texture, material.base_uv_set) || lacks(material.emissive_texture, material.emissive_uv_set))
+        if (lacks(material.base_texture, material.base_uv_set) || lacks(material.emissive_texture, material.emissive_uv_set) ||
+            lacks(material.transmission_texture, material.transmission_uv_set))
             warnings.push_back({"no-uv", object.name, "its material has a texture, but the mesh has no coordinates for it: "
                                                       "one pixel colours all of it"});
     }

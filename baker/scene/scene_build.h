@@ -27,7 +27,7 @@ struct DecodedImage {
     std::vector<std::array<float, 4>> rgba;
 };
 
-/// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image.
+/// Encoded file -> pixels, nullopt if it cannot be decoded. Called from one thread, at most once per image and use (colours; numbers).
 using ImageDecoder = std::function<std::optional<DecodedImage>(ByteView bytes, const std::string& name)>;
 
 /// The sky that the user asks for, before what the file has.
@@ -43,6 +43,7 @@ struct SkyWish {
 struct BuildOptions {
     bool textures = true;  ///< false: textures count as white, for a first look or for tests
     BadValues bad_values = BadValues::clamp;
+    bool blend_colours = false;  ///< light through alpha BLEND takes the base colour
     std::string file{};  ///< named in errors
     double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
     double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none

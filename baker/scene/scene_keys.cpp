@@ -11,21 +11,37 @@ void add_use(KeyBuilder& key, const Texture& texture, int uv_set, const std::arr
     key.integer(static_cast<int>(texture.wrap_s)).integer(static_cast<int>(texture.wrap_t)).integer(texture.nearest);
 }
 
-void add_alpha(KeyBuilder& key, const Scene& scene, const Material& material) {
-    key.integer(static_cast<int>(material.alpha_mode));
-    if (material.alpha_mode == AlphaMode::opaque) return;
-    key.number(static_cast<double>(material.alpha)).number(static_cast<double>(material.alpha_cutoff));
-    if (material.base_texture == none) return;
-    const Texture& texture = scene.textures[material.base_texture];
-    add_use(key, texture, material.base_uv_set, material.base_transform);
-    std::vector<float> alpha;
-    alpha.reserve(texture.pixels.size());
-    for (const auto& pixel : texture.pixels) alpha.push_back(pixel[3]);
-    key.bytes(bytes_of(alpha));
-}
-
 void add_rgb(KeyBuilder& key, const Rgb& value) {
     for (int c = 0; c < 3; ++c) key.number(static_cast<double>(value[c]));
+}
+
+/// Channels [first, last] of a texture as a material uses it.
+void add_channels(KeyBuilder& key, const Texture& texture, std::size_t first, std::size_t last) {
+    std::vector<float> values;
+    values.reserve(texture.pixels.size() * (last + 1 - first));
+    for (const auto& pixel : texture.pixels)
+        for (std::size_t c = first; c <= last; ++c) values.push_back(pixel[c]);
+    key.bytes(bytes_of(values));
+}
+
+/// All that see_through.h reads of a material: only alpha of textures, unless their colours tint what passes.
+void add_passage(KeyBuilder& key, const Scene& scene, const Material& material) {
+    key.integer(static_cast<int>(material.alpha_mode));
+    if (!material.is_see_through()) return;
+    key.text("see through 1").number(static_cast<double>(material.alpha)).number(static_cast<double>(material.alpha_cutoff));
+    const bool tints = material.transmission > 0 || (material.alpha_mode == AlphaMode::blend && material.blend_colours);
+    key.integer(tints).integer(material.blend_colours).number(static_cast<double>(material.transmission));
+    if (tints) add_rgb(key, material.pane_colour);
+    if (material.base_texture != none) {
+        const Texture& texture = scene.textures[material.base_texture];
+        add_use(key, texture, material.base_uv_set, material.base_transform);
+        add_channels(key, texture, tints ? 0 : 3, 3);
+    }
+    if (material.transmission_texture != none) {
+        const Texture& texture = scene.textures[material.transmission_texture];
+        add_use(key, texture, material.transmission_uv_set, material.transmission_transform);
+        add_channels(key, texture, 0, 0);
+    }
 }
 
 }  // namespace
@@ -51,17 +67,17 @@ Key geometry_key_of(const Scene& scene) {
     key.bytes(bytes_of(scene.positions)).bytes(bytes_of(scene.normals));
     key.bytes(bytes_of(scene.uv[0])).bytes(bytes_of(scene.uv[1]));
     key.bytes(bytes_of(scene.triangles)).bytes(bytes_of(scene.source_triangle)).bytes(bytes_of(scene.triangle_object));
-    std::vector<Key> alpha_of_material;
+    std::vector<Key> passage_of_material;
     for (const Material& material : scene.materials) {
-        KeyBuilder alpha("alpha");
-        add_alpha(alpha, scene, material);
-        alpha_of_material.push_back(alpha.finish());
+        KeyBuilder passage("alpha");
+        add_passage(passage, scene, material);
+        passage_of_material.push_back(passage.finish());
     }
     for (std::size_t o = 0; o < scene.objects.size(); ++o) {
         const Object& object = scene.objects[o];
         key.integer(static_cast<std::int64_t>(object.path_hash)).integer(static_cast<std::int64_t>(object.content_hash));
         key.integer(object.first_triangle).integer(object.triangle_count).integer(scene.object_has_uv1[o]);
-        key.integer(scene.materials[object.material].double_sided).key(alpha_of_material[object.material]);
+        key.integer(scene.materials[object.material].double_sided).key(passage_of_material[object.material]);
     }
     return key.finish();
 }

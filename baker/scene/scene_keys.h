@@ -8,7 +8,7 @@ namespace luxel {
 std::uint64_t path_hash_of(const std::string& node_path, int gltf_primitive);
 std::uint64_t content_hash_of(const PrimitiveRecord& primitive);
 
-/// What rays can meet: origin, vertices, triangles, objects, sidedness, alpha (with the alpha of its textures).
+/// What rays can meet: origin, vertices, triangles, objects, sidedness, what lets light through (with its textures).
 Key geometry_key_of(const Scene& scene);
 
 /// What only the light depends on: which material an object has, materials, texture pixels, lamps, sky.

@@ -40,14 +40,20 @@ std::vector<std::array<float, 4>> linear_pixels(std::vector<std::array<float, 4>
     return pixels;
 }
 
+std::vector<std::array<float, 4>> limited_pixels(std::vector<std::array<float, 4>> pixels) {
+    for (auto& pixel : pixels)
+        for (float& number : pixel) number = number > 0 ? std::min(number, 1.0f) : 0.0f;
+    return pixels;
+}
+
 /// Decodes each image once and keeps each combination of image and sampler once.
 class TextureSet {
   public:
     TextureSet(const SceneRecord& record, const ImageDecoder& decode, Scene& scene, std::vector<Warning>& warnings)
         : record_(record), decode_(decode), scene_(scene), warnings_(warnings) {}
 
-    /// Index into scene.textures, or none.
-    std::uint32_t add(const TextureUse& use, const std::string& where) {
+    /// Index into scene.textures, or none. `is_colour`: sRGB; else the pixels are linear numbers.
+    std::uint32_t add(const TextureUse& use, const std::string& where, bool is_colour = true) {
         if (use.texture < 0) return none;
         if (use.uv_set > 1) {
             warnings_.push_back({"uv-set", where, "a texture uses TEXCOORD_" + std::to_string(use.uv_set) +
@@ -56,21 +62,22 @@ class TextureSet {
         }
         const TextureRecord& texture = record_.textures[static_cast<std::size_t>(use.texture)];
         if (texture.image < 0) return none;
-        const auto key = std::tuple(texture.image, texture.wrap_s, texture.wrap_t, texture.nearest);
+        const auto key = std::tuple(texture.image, texture.wrap_s, texture.wrap_t, texture.nearest, is_colour);
         if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
-        const std::uint32_t index = make(texture);
+        const std::uint32_t index = make(texture, is_colour);
         textures_.emplace(key, index);
         return index;
     }
 
   private:
-    std::uint32_t make(const TextureRecord& record) {
+    std::uint32_t make(const TextureRecord& record, bool is_colour) {
         Texture made;
-        if (const auto twin = first_of_image_.find(record.image); twin != first_of_image_.end()) {
+        const std::pair image(record.image, is_colour);
+        if (const auto twin = first_of_image_.find(image); twin != first_of_image_.end()) {
             if (twin->second == none) return none;
             made = scene_.textures[twin->second];
-        } else if (!load(record.image, made)) {
-            first_of_image_.emplace(record.image, none);
+        } else if (!load(record.image, is_colour, made)) {
+            first_of_image_.emplace(image, none);
             return none;
         }
         made.wrap_s = record.wrap_s;
@@ -78,11 +85,11 @@ class TextureSet {
         made.nearest = record.nearest;
         const auto index = static_cast<std::uint32_t>(scene_.textures.size());
         scene_.textures.push_back(std::move(made));
-        first_of_image_.emplace(record.image, index);
+        first_of_image_.emplace(image, index);
         return index;
     }
 
-    bool load(int image_index, Texture& into) {
+    bool load(int image_index, bool is_colour, Texture& into) {
         const ImageRecord& image = record_.images[static_cast<std::size_t>(image_index)];
         if (image.bytes.empty()) return false;  // the reader has said why
         std::optional<DecodedImage> decoded = decode_ ? decode_(image.bytes, image.name) : std::nullopt;
@@ -94,7 +101,7 @@ class TextureSet {
         }
         into.width = decoded->width;
         into.height = decoded->height;
-        into.pixels = linear_pixels(std::move(decoded->rgba));
+        into.pixels = is_colour ? linear_pixels(std::move(decoded->rgba)) : limited_pixels(std::move(decoded->rgba));
         return true;
     }
 
@@ -102,8 +109,8 @@ class TextureSet {
     const ImageDecoder& decode_;
     Scene& scene_;
     std::vector<Warning>& warnings_;
-    std::map<std::tuple<int, WrapMode, WrapMode, bool>, std::uint32_t> textures_;
-    std::map<int, std::uint32_t> first_of_image_;
+    std::map<std::tuple<int, WrapMode, WrapMode, bool, bool>, std::uint32_t> textures_;
+    std::map<std::pair<int, bool>, std::uint32_t> first_of_image_;
 };
 
 std::array<float, 6> finite_transform(const std::array<double, 6>& transform, const char* texture, const ValueCheck& check) {
@@ -130,11 +137,15 @@ Material convert_material(const MaterialRecord& record, const ValueCheck& check)
     check.limit(colour, 1.0, "reflectance-clamped", "baseColorFactor");
     std::array<double, 3> nits = record.emission;
     check.limit(nits, most_light, "emission-clamped", "emissiveFactor times emissiveStrength");
-    // What mirrors or passes through is not diffuse: base colour * (1 - metallic) as glTF's appendix B.3.5 has it.
-    const double kept = (1.0 - limited(record.transmission, check, "transmissionFactor")) *
-                        (1.0 - limited(record.metallic, check, "metallicFactor"));
+    // What mirrors is not diffuse: base colour * (1 - metallic) as glTF's appendix B.3.5 has it. Of what passes through, the rest
+    // is the surface that light meets (see_through.h), unless it emits: then that all of it sends light must stay true.
+    const double transmission = limited(record.transmission, check, "transmissionFactor");
+    const bool emits = std::ranges::any_of(nits, [](double n) { return n > 0; });
+    const double kept = (emits ? 1.0 - transmission : 1.0) * (1.0 - limited(record.metallic, check, "metallicFactor"));
+    material.transmission = emits ? 0.0f : static_cast<float>(transmission);
     for (int c = 0; c < 3; ++c) {
-        material.reflectance[c] = static_cast<float>(colour[static_cast<std::size_t>(c)]) * static_cast<float>(kept);
+        material.pane_colour[c] = static_cast<float>(colour[static_cast<std::size_t>(c)]);
+        material.reflectance[c] = material.pane_colour[c] * static_cast<float>(kept);
         material.emission[c] = static_cast<float>(pi * nits[static_cast<std::size_t>(c)]);
     }
     material.alpha = static_cast<float>(limited(record.base_color[3], check, "the alpha of baseColorFactor"));
@@ -142,6 +153,9 @@ Material convert_material(const MaterialRecord& record, const ValueCheck& check)
     material.base_transform = finite_transform(record.base_color_texture.transform, "baseColorTexture", check);
     material.emissive_uv_set = record.emissive_texture.uv_set;
     material.emissive_transform = finite_transform(record.emissive_texture.transform, "emissiveTexture", check);
+    material.transmission_uv_set = record.transmission_texture.uv_set;
+    material.transmission_transform =
+        finite_transform(record.transmission_texture.transform, "transmissionTexture", check);
     material.double_sided = record.double_sided;
     material.alpha_mode = record.alpha_mode;
     material.alpha_cutoff = std::isfinite(record.alpha_cutoff) ? static_cast<float>(record.alpha_cutoff) : 0.5f;
@@ -153,8 +167,19 @@ void note_kinds(const MaterialRecord& record, const std::string& where, std::vec
         warnings.push_back({"metal-as-diffuse", where, "its metallic texture is not read: all of the surface counts as not metallic"});
     else if (record.metallic > 0)
         warnings.push_back({"metal-mirrors", where, "the metallic share reflects like a mirror: it takes no part in diffuse light"});
-    if (record.transmission > 0)
-        warnings.push_back({"transmission-blocked", where, "transmission takes light from the diffuse part, but lets none through"});
+    const bool emits = std::ranges::any_of(record.emission, [](double nits) { return nits > 0; });
+    if (record.transmission > 0 && emits)
+        warnings.push_back({"transmission-blocked", where,
+                            "it emits: transmission takes light from its diffuse part, but lets none through"});
+}
+
+/// Exporters mark as MASK or BLEND much that covers everywhere: such surfaces are opaque, and cost rays nothing.
+void settle_alpha(const Scene& scene, Material& material) {
+    if (material.alpha_mode == AlphaMode::opaque) return;
+    float least = material.alpha;
+    if (material.base_texture != none)
+        for (const auto& pixel : scene.textures[material.base_texture].pixels) least = std::min(least, material.alpha * pixel[3]);
+    if (least >= (material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : 1.0f)) material.alpha_mode = AlphaMode::opaque;
 }
 
 Vec3d direction_of(const Matrix44d& world) { return {-world[2][0], -world[2][1], -world[2][2]}; }
@@ -209,7 +234,11 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
             material.base_texture = textures.add(from.base_color_texture, where);
             // A texture of something that does not emit is never looked at.
             if (material.emission != Rgb(0, 0, 0)) material.emissive_texture = textures.add(from.emissive_texture, where);
+            if (material.transmission > 0)
+                material.transmission_texture = textures.add(from.transmission_texture, where, false);
         }
+        material.blend_colours = options.blend_colours;
+        settle_alpha(scene, material);
         scene.materials.push_back(std::move(material));
     }
     Material default_material;

@@ -1,8 +1,9 @@
 /// Materials, textures and lamps of a Scene. Parts of scene_build.
 ///
 /// Units    reflectance 0..1; emission as exitance M = pi * nits in lm/m2; lamps in cd or lux, metres from the origin.
-/// Metals   reflect their base colour diffusely: lightmaps know no mirrors. Transmission t takes its share of the
-///          diffuse reflectance, 1 - t, and lets no light through (a warning says so).
+/// Metals   reflect their base colour diffusely: lightmaps know no mirrors.
+/// Panes    transmission t passes its share of the light (see_through.h); what emits passes none by it (a warning says so), and
+///          reflects 1 - t. Alpha that covers everywhere becomes AlphaMode::opaque.
 /// Threads  pure functions but for `warnings`.
 #pragma once
 #include "baker/scene/scene_build.h"

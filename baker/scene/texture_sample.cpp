@@ -63,8 +63,7 @@ Vec2f transformed_side(Vec2f side, const std::array<float, 6>& m) {
 }
 
 Rgba base_at(const Scene& scene, const Material& material, std::uint32_t triangle, float b1, float b2) {
-    return sample_texture(scene.textures[material.base_texture],
-                          transformed(surface_uv(scene, triangle, material.base_uv_set, b1, b2), material.base_transform));
+    return surface_texture(scene, material.base_texture, material.base_uv_set, material.base_transform, triangle, b1, b2);
 }
 
 Rgb times(const Rgb& factor, const Rgba& texture) {
@@ -127,6 +126,12 @@ Vec2f surface_uv(const Scene& scene, std::uint32_t triangle, int uv_set, float b
     return a + (uv[corners[1]] - a) * b1 + (uv[corners[2]] - a) * b2;
 }
 
+Rgba surface_texture(const Scene& scene, std::uint32_t texture, int uv_set, const std::array<float, 6>& transform,
+                     std::uint32_t triangle, float b1, float b2) {
+    if (texture == none) return {1, 1, 1, 1};
+    return sample_texture(scene.textures[texture], transformed(surface_uv(scene, triangle, uv_set, b1, b2), transform));
+}
+
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
     const Material& material = scene.material_of(triangle);
     if (material.base_texture == none) return material.reflectance;
@@ -136,9 +141,8 @@ Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, fl
 Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
     const Material& material = scene.material_of(triangle);
     if (material.emissive_texture == none) return material.emission;
-    const Vec2f uv = surface_uv(scene, triangle, material.emissive_uv_set, b1, b2);
-    return times(material.emission,
-                 sample_texture(scene.textures[material.emissive_texture], transformed(uv, material.emissive_transform)));
+    return times(material.emission, surface_texture(scene, material.emissive_texture, material.emissive_uv_set,
+                                                    material.emissive_transform, triangle, b1, b2));
 }
 
 float surface_alpha(const Scene& scene, std::uint32_t triangle, float b1, float b2) {

@@ -25,6 +25,10 @@ Rgba sample_texture_mean(const Texture& texture, Vec2f uv, Vec2f du, Vec2f dv);
 /// uv of a set (0 or 1; others count as zero) at a point of a triangle.
 Vec2f surface_uv(const Scene& scene, std::uint32_t triangle, int uv_set, float b1, float b2);
 
+/// Value of a texture as a material uses it at a point of a triangle; white for `texture` none.
+Rgba surface_texture(const Scene& scene, std::uint32_t texture, int uv_set, const std::array<float, 6>& transform,
+                     std::uint32_t triangle, float b1, float b2);
+
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2);
 Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float b2);
 float surface_alpha(const Scene& scene, std::uint32_t triangle, float b1, float b2);

@@ -1,7 +1,13 @@
 /// First hits and visibility among the scene's triangles. Only user of Embree.
 ///
 /// Determinism: one instruction set (AVX2), robust intersection, a tree built by one thread. Where triangles coincide
-/// exactly, the hit goes to the one that shows its front to the ray, and among those to the lowest number.
+/// exactly, the hit goes to the one that shows its front to the ray, among those to one that lets light through, and among
+/// those to the lowest number.
+///
+/// Where surfaces let light through (scene/see_through.h), a first hit is one surface: each that the ray comes to it
+/// meets with the chance of that surface's opacity, by a hash of the ray's own bits, so the mean over rays is
+/// right and the same rays have the same hits. Shadow rays find the exact product instead. Scenes without such surfaces are traced as if
+/// there were none.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,6 +17,8 @@
 #include "baker/scene/scene.h"
 
 namespace luxel {
+
+class SeeThroughQuery;
 
 struct TraceRay {
     Vec3f origin;     ///< already off its surface (ray_offset.h)
@@ -39,6 +47,9 @@ struct TraceHit {
     float b1 = 0, b2 = 0;           ///< barycentric weights of corners 1 and 2
     float distance_m = 0;
     bool front = false;  ///< the ray met the front
+    /// What is left of light that comes back along the ray, 0..1 per channel: the colours of the panes that it passed. The chance
+    /// to pass them is not in it, the ray has passed.
+    Rgb tint{1, 1, 1};
 };
 
 /// What the order of rays promises. It changes the speed, never a hit.
@@ -63,18 +74,33 @@ class Tracer {
                     RayCoherence coherence = RayCoherence::apart) const;
     [[nodiscard]] TraceHit first_hit(const TraceRay& ray) const;
 
-    /// Is anything between the origin and the point origin + distance_m * direction (both ends open)?
+    /// Is anything between the origin and the point origin + distance_m * direction (both ends open)? A pane is, a hole in
+    /// a masked surface is not.
     [[nodiscard]] bool occluded(const TraceRay& ray, float distance_m) const;
 
-    /// Bytes that Embree has allocated for this scene (its own copy of nothing: vertices are shared).
+    /// What arrives at the origin of the light that comes from that point, 0..1 per channel: the product over all that
+    /// is between. Not by chance.
+    [[nodiscard]] Rgb transmittance(const TraceRay& ray, float distance_m) const;
+
+    /// Does anything in the scene let light through? If not, tints are 1 and transmittances 0 or 1.
+    [[nodiscard]] bool is_see_through() const;
+
+    /// Bytes that Embree has allocated for this scene, and its numbers of triangles where some are see-through.
     [[nodiscard]] std::uint64_t resident_bytes() const;
 
   private:
     struct State;
-    [[nodiscard]] TraceHit finish(const TraceRay& ray, std::uint32_t triangle, float b1, float b2, float distance,
-                                  bool front) const;
+    /// `query`: null when nothing can be seen through.
+    [[nodiscard]] TraceHit first_hit(const TraceRay& ray, SeeThroughQuery* query) const;
+    void first_hits_through(const RayColumns& rays, std::size_t begin, std::span<TraceHit> hits, RayCoherence coherence) const;
+    [[nodiscard]] TraceHit finish(const TraceRay& ray, std::uint32_t triangle, float b1, float b2, float distance, bool front,
+                                  SeeThroughQuery* query, std::size_t lane) const;
     std::unique_ptr<State> state_;
 };
+
+/// A count is whole or nothing: of rays through tinted panes as many survive as the mean of the channels says, by a hash of the
+/// ray's own bits; the others end as absorbed.
+bool survives_tint(const TraceRay& ray, const Rgb& tint);
 
 /// What the identity of results depends on beside the inputs: part of the evidence key.
 const char* tracer_identity();

@@ -179,7 +179,9 @@ class FragmentProbe {
                 open = true;
                 continue;
             }
-            if (hit.front || scene_.material_of(hit.triangle).double_sided) return false;
+            const Material& met = scene_.material_of(hit.triangle);
+            // What can be seen through is no solid's inside, whichever side it shows.
+            if (hit.front || met.double_sided || met.is_see_through()) return false;
             nearest = std::min(nearest, hit.distance_m), farthest = std::max(farthest, hit.distance_m);
         }
         return !sees_lamp(origin, triangle, normal, open ? std::numeric_limits<float>::infinity() : 2 * farthest);
@@ -192,7 +194,7 @@ class FragmentProbe {
             const Vec3f to = far ? -lamp.direction : lamp.position - origin;
             const float distance = far ? std::numeric_limits<float>::infinity() : to.length();
             if (to.dot(normal) <= 0 || distance > reach) continue;
-            if (!tracer_.occluded({origin, to.normalized(), triangle}, distance)) return true;
+            if (tracer_.transmittance({origin, to.normalized(), triangle}, distance) != Rgb(0, 0, 0)) return true;
         }
         return false;
     }

@@ -3,7 +3,7 @@
 ///
 /// A point is hidden when the rays of its half space meet nothing but backs of one-sided surfaces, or leave the scene
 /// while such a back is near (what sticks out behind the wall of a room), and no lamp reaches it. Nothing less will do: one
-/// front, or one back of a two-sided surface, and the point stays. Of a two-sided surface a point is hidden when both of
+/// front, or one back of a surface that is two-sided or lets light through, and the point stays. Of a two-sided surface a point is hidden when both of
 /// its sides are. Surfaces in front of a single-sided plane's back are therefore hidden only within near_m of it, and only
 /// where they see no front at all.
 ///

@@ -81,8 +81,11 @@ MaterialRecord read_material(const json& item, std::size_t texture_count, std::v
     read_emission(item, texture_count, material, where);
     read_alpha(item, material, warnings, where);
     material.double_sided = json_bool(item, "doubleSided", false, where);
-    if (const json* extension = json_extension(item, "KHR_materials_transmission", where))
+    if (const json* extension = json_extension(item, "KHR_materials_transmission", where)) {
         material.transmission = json_number(*extension, "transmissionFactor", 0, where);
+        if (material.transmission != 0)
+            material.transmission_texture = read_texture_use(*extension, "transmissionTexture", texture_count, where);
+    }
     material.unlit = json_extension(item, "KHR_materials_unlit", where) != nullptr;
     return material;
 }
@@ -191,6 +194,7 @@ void read_materials(const GltfDocument& document, bool external_images, SceneRec
         note_extensions(item, noted, record.warnings, where);
         used_textures.insert(record.materials.back().base_color_texture.texture);
         used_textures.insert(record.materials.back().emissive_texture.texture);
+        used_textures.insert(record.materials.back().transmission_texture.texture);
     }
     std::set<int> used_images;
     for (std::size_t t = 0; t < texture_count; ++t) {

@@ -1,7 +1,7 @@
-/// Materials, textures and images of a document, as far as they say how surfaces reflect and emit.
+/// Materials, textures and images of a document, as far as they say how surfaces reflect, emit and let light through.
 ///
 /// Units    base colour and emission factors linear; emission in nits; UV transforms as TextureUse says.
-/// Images   are read only where a material uses them for colour or emission; others keep empty bytes without a warning.
+/// Images   are read only where a material uses them for colour, emission or transmission; others keep empty bytes without a warning.
 /// Errors   Error{bad_input}: members of a wrong type, indices out of range. Missing images are warnings.
 /// Threads  pure functions.
 /// Source   glTF 2.0 specification, section 3.9 and 3.8; the KHR_materials_* extensions; KHR_texture_transform.

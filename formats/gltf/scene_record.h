@@ -50,6 +50,7 @@ struct MaterialRecord {
     double metallic = 0;      ///< metallicFactor 0..1: the part that mirrors; 0 where a texture decides it (has_metallic_texture)
     bool has_metallic_texture = false;
     double transmission = 0;  ///< KHR_materials_transmission factor 0..1
+    TextureUse transmission_texture;  ///< its red, linear, times the factor; none where the factor is 0
     bool unlit = false;
 };
 

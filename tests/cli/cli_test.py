@@ -97,7 +97,7 @@ class Help(Case):
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--aov": "albedo,valid", "--memory": "1G",
-              "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}

@@ -7,6 +7,8 @@ usage: check_reference.py [--points 300] [--spp 4096]      exit status 1 if a ch
   two squares       texels hold Lambert's formula for the sender, unoccluded, and their mean is the form factor
   lamps over floor  texels hold the sum of three lamps; with radii the same; under a constant sky pi L more; under a picture
                     whose light comes from +X and -Z only, what a tilted pixel gives to the floor
+  see through       a sun through the open half of a mask, a tinted pane and a sheet of alpha 0.3: the product per channel
+  sheet             two squares with a sheet of alpha 0.25 between: three quarters of Lambert's formula
   a wrong bake      2 % too bright must be reported as a bias of 2 %
 """
 import argparse
@@ -18,12 +20,13 @@ import tempfile
 
 import numpy as np
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
+sys.path[:0] = [os.path.dirname(os.path.abspath(__file__)), SAMPLES]
 import gltf_scene   # noqa: E402
 import lights       # noqa: E402
 import reference    # noqa: E402
+from gltf_writer import Gltf, png, rectangle   # noqa: E402
 
-SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
 CELL, FINE_CELL = 24, 96   # texels: each triangle lies in its own square of a page; finer where there are few
 
 
@@ -49,7 +52,7 @@ def write_exr(path, values):
 
 
 def fake_bake(scene, folder, irradiance):
-    """A GLB with one chart per triangle; irradiance(object name, points) fills the texels. Returns its path."""
+    """A GLB with one chart per triangle; irradiance(object name, points), one number or three, fills the texels. Returns its path."""
     count = len(scene.corners)
     cell = FINE_CELL if count < 10 else CELL
     columns = int(np.ceil(np.sqrt(count)))
@@ -138,6 +141,51 @@ def write_sky(path):
     return 1000 * flat(4) + 400 * flat(6)
 
 
+TINT = np.array([0.25, 0.8, 0.4])
+
+
+def see_through_scene():
+    """Black layers under a sun of 3 lux: mask (its left half is a hole), pane, sheet, floor. Halves are pieces of their own."""
+    gltf = Gltf()
+    black = gltf.material("black", (0, 0, 0))
+    mask = gltf.mask(gltf.material("mask", (0, 0, 0)), png(2, 1, b"\0\0\0\0\0\0\0\xff"))
+    pane = gltf.glass(gltf.material("pane", TINT))
+    sheet = gltf.material("sheet", (0, 0, 0))
+    gltf.materials[sheet].update(alphaMode="BLEND")
+    gltf.materials[sheet]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.3
+    for side, x0, x1 in (("left", -1, 0), ("right", 0, 1)):
+        at = 0.25 if side == "left" else 0.75
+        gltf.piece("mask_" + side, [rectangle(1, 1.5, (x0, -1), (x1, 1), 1)], mask, uv=lambda p, at=at: (at, 0.5))
+        gltf.piece("pane_" + side, [rectangle(1, 1.0, (x0, -1), (x1, 1), 1)], pane)
+        gltf.piece("sheet_" + side, [rectangle(1, 0.5, (x0, -1), (x1, 1), 1)], sheet)
+        gltf.piece("floor_" + side, [rectangle(1, 0.0, (x0, -1), (x1, 1), 1)], black)
+    gltf.lamp("sun", {"type": "directional", "intensity": 3.0}, (0, 5, 0), (1e-4, -1, 1e-4))
+    return gltf
+
+
+def see_through_light(object_name, points):
+    layer, side = object_name.split("/")[0].split("_")
+    share = {"mask": np.ones(3), "pane": np.ones(3), "sheet": TINT, "floor": 0.7 * TINT}[layer]
+    lit = layer == "mask" or side == "left"
+    return np.tile(3 * lit * share, (len(points), 1))
+
+
+def sheet_scene():
+    gltf = Gltf()
+    black = gltf.material("black", (0, 0, 0))
+    sheet = gltf.material("sheet", (0, 0, 0))
+    gltf.materials[sheet].update(alphaMode="BLEND")
+    gltf.materials[sheet]["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25
+    gltf.piece("sender", [rectangle(1, 0.0, (0, 0), (1, 1), 1)], gltf.material("sender", (0, 0, 0), [1 / np.pi] * 3))
+    gltf.piece("sheet", [rectangle(1, 0.5, (0, 0), (1, 1), -1)], sheet)
+    gltf.piece("receiver", [rectangle(1, 1.0, (0, 0), (1, 1), -1)], black)
+    return gltf
+
+
+def sheet_light(object_name, points):
+    return squares("parallel")(object_name, points) * (0.75 if object_name.startswith("receiver") else 1)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--points", type=int, default=300)
@@ -154,11 +202,16 @@ def main():
            ("lamps_over_floor", floor(of_sky), 0.0, None, light(sky=sky, sky_rotate=33))]
     cases = [("furnace", constant(2.0), 0.0, None), ("sphere", constant(2.0), 0.0, None),
              ("two_squares_parallel", squares("parallel"), 0.0, 0.199825 / 2),
-             ("two_squares_perpendicular", squares("perpendicular"), 0.0, 0.200044 / 2), ("furnace", constant(2.04), 0.02, None)]
+             ("two_squares_perpendicular", squares("perpendicular"), 0.0, 0.200044 / 2), ("furnace", constant(2.04), 0.02, None),
+             ("see_through", see_through_light, 0.0, None), ("sheet", sheet_light, 0.0, None)]
+    made = {"see_through": see_through_scene, "sheet": sheet_scene}
     failed = 0
     for name, value, bias, mean, given in [(*case, plain) for case in cases] + lit:
         source = os.path.join(SAMPLES, name, name + ".gltf")
         with tempfile.TemporaryDirectory() as folder:
+            if name in made:
+                source = os.path.join(folder, name + ".gltf")
+                made[name]().save(folder, name)
             baked = fake_bake(gltf_scene.Scene(source), folder, value)
             result, arrays, _ = reference.compare(source, baked, options.points, options.spp, light=given)
         # facets of the sphere and the size of the texels: a mean may be off by 3e-3, single texels by 0.02

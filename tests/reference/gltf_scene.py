@@ -1,9 +1,10 @@
 """Reads a glTF scene into plain arrays: every triangle of every node in world metres, with its materials and lamps.
 
 Written from the glTF 2.0 specification for the comparison with luxel and sharing no code with it. Emission is a luminance
-in nits, point and spot lamps are in candela, directional ones in lux. Diffuse reflectance is the base colour times
-1 - transmission; what is transmitted is lost. Metals mirror: base colour * (1 - metallicFactor) is
-diffuse; a metallic texture is not read and counts as 0. Alpha is not looked at.
+in nits, point and spot lamps are in candela, directional ones in lux. Metals mirror: base colour * (1 - metallicFactor) is
+diffuse; a metallic texture is not read and counts as 0. Alpha is coverage (MASK: 0 or 1 by the cutoff). KHR_materials_transmission
+makes a part of what covers a thin pane in the base colour; the rest reflects. What emits transmits nothing, and reflects
+1 - transmission.
 Compressed geometry (meshopt, Draco) is refused: give the baked file instead, which holds it decoded.
 """
 import base64
@@ -85,13 +86,13 @@ class Document:
             return values.astype(np.float64)
         return np.maximum(values / float(np.iinfo(values.dtype).max), -1.0)
 
-    def image(self, index):
-        """Pixels as uint8 (height, width, 3), sRGB encoded."""
+    def image(self, index, mode="RGB"):
+        """Pixels as uint8 (height, width, 3), sRGB encoded; mode "RGBA": with alpha, 255 where there is none."""
         from PIL import Image
         entry = self.json["images"][index]
         data = self.from_uri(entry["uri"]) if "uri" in entry else self.view(entry["bufferView"])[0]
         with Image.open(io.BytesIO(data)) as picture:
-            return np.asarray(picture.convert("RGB"))
+            return np.asarray(picture.convert(mode))
 
 
 def texture_use(info):
@@ -112,12 +113,18 @@ def read_material(entry):
     colour, texture = pbr.get("baseColorFactor", (1, 1, 1, 1)), pbr.get("baseColorTexture")
     if old is not None:
         colour, texture = old.get("diffuseFactor", (1, 1, 1, 1)), old.get("diffuseTexture")
-    through = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)
+    pane = extensions.get("KHR_materials_transmission", {})
+    emission = np.array(entry.get("emissiveFactor", (0, 0, 0)), float) * strength
+    through, emits = pane.get("transmissionFactor", 0.0), emission.max() > 0
+    kept = 1 - through if emits else 1.0
     if old is None and "KHR_materials_unlit" not in extensions and "metallicRoughnessTexture" not in pbr:
-        through = 1 - (1 - through) * (1 - pbr.get("metallicFactor", 1.0))
-    return {"name": entry.get("name", ""), "albedo": np.clip(np.array(colour[:3], float), 0, 1) * (1 - through),
-            "albedo_texture": texture_use(texture),
-            "emission": np.array(entry.get("emissiveFactor", (0, 0, 0)), float) * strength,
+        kept *= 1 - pbr.get("metallicFactor", 1.0)
+    base = np.clip(np.array(colour[:3], float), 0, 1)
+    return {"name": entry.get("name", ""), "albedo": base * kept, "albedo_texture": texture_use(texture), "emission": emission,
+            "pane": base, "transmission": 0.0 if emits else through,
+            "transmission_texture": None if emits or through == 0 else texture_use(pane.get("transmissionTexture")),
+            "alpha_mode": {"MASK": 1, "BLEND": 2}.get(entry.get("alphaMode"), 0), "cutoff": entry.get("alphaCutoff", 0.5),
+            "alpha": float(np.clip(colour[3], 0, 1)) if len(colour) > 3 else 1.0,
             "emission_texture": texture_use(entry.get("emissiveTexture")),
             "double_sided": bool(entry.get("doubleSided", False)), "lightmap": extensions.get("MOZ_lightmap")}
 
@@ -242,11 +249,11 @@ class Scene:
         del self.parts
 
     def texture_pixels(self, texture):
-        """uint8 sRGB pixels, (wrap_s, wrap_t), nearest; None where the texture has no image that can be read."""
+        """uint8 RGBA pixels, (wrap_s, wrap_t), nearest; None where the texture has no image that can be read."""
         entry = self.document.json["textures"][texture]
         source = entry.get("extensions", {}).get("EXT_texture_webp", {}).get("source", entry.get("source"))
         if source is None:
             return None
         sampler = self.document.json["samplers"][entry["sampler"]] if "sampler" in entry else {}
-        return (self.document.image(source), (sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)),
+        return (self.document.image(source, "RGBA"), (sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)),
                 sampler.get("magFilter") == 9728)

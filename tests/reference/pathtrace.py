@@ -2,7 +2,8 @@
 
 Unidirectional paths with next event estimation, weighted against the cosine rays (balance heuristic, Veach 1997), no
 limit of bounces, Russian roulette by throughput. Surfaces are diffuse. One that is not doubleSided reflects and emits on
-its front and absorbs on its back; a doubleSided one does both on both. Bounces use geometric normals, as exchange areas
+its front and absorbs on its back; a doubleSided one does both on both. What lets light through (alpha, transmission) is met by
+the chance of its opacity, or passed straight on in the pane's colour; shadow rays multiply what passes. Bounces use geometric normals, as exchange areas
 do; the receiving point may have a shading normal. Lengths are normalised to a half extent of 1 before single precision.
 Needs the variant llvm_ad_rgb, so libLLVM 16 or newer (Debian: libllvm19).
 """
@@ -46,12 +47,12 @@ class TextureStore:
         start = 0
         for texture in wanted:
             found = scene.texture_pixels(texture)
-            pixels, wrap, nearest = found if found else (np.full((1, 1, 3), 255, np.uint8), (10497, 10497), False)
+            pixels, wrap, nearest = found if found else (np.full((1, 1, 4), 255, np.uint8), (10497, 10497), False)
             self.index[texture] = len(table)
             modes = [{10497: 0, 33071: 1, 33648: 2}[w] for w in wrap]
             table.append([start, pixels.shape[1], pixels.shape[0], *modes, int(nearest)])
-            wide = pixels.reshape(-1, 3).astype(np.uint32)
-            packed.append(wide[:, 0] | wide[:, 1] << 8 | wide[:, 2] << 16)
+            wide = pixels.reshape(-1, 4).astype(np.uint32)
+            packed.append(wide[:, 0] | wide[:, 1] << 8 | wide[:, 2] << 16 | wide[:, 3] << 24)
             start += len(wide)
         self.count = len(table)
         if self.count:
@@ -68,26 +69,30 @@ class TextureStore:
         return U(dr.select(mode == 0, repeat, dr.select(mode == 1, dr.clip(i, 0, size - 1), mirror)))
 
     def value(self, texture, uv, active):
-        """Linear colour; uv (0, 0) is the upper left corner."""
+        """Linear colour, alpha, and red as a plain number; uv (0, 0) is the upper left corner."""
         start, width, height, wrap_s, wrap_t, nearest = [dr.gather(U, c, texture, active) for c in self.columns]
         shift = dr.select(nearest == 1, 0.0, 0.5)
         x, y = uv.x * F(width) - shift, uv.y * F(height) - shift
         x0, y0 = dr.floor(x), dr.floor(y)
         fx, fy = dr.select(nearest == 1, 0.0, x - x0), dr.select(nearest == 1, 0.0, y - y0)
-        total = V3(0)
+        total, alpha, red = V3(0), F(0), F(0)
         for dx, dy, w in ((0, 0, (1 - fx) * (1 - fy)), (1, 0, fx * (1 - fy)), (0, 1, (1 - fx) * fy), (1, 1, fx * fy)):
             column = self._wrapped(mi.Int32(x0) + dx, width, wrap_s)
             line = self._wrapped(mi.Int32(y0) + dy, height, wrap_t)
             pixel = dr.gather(U, self.pixels, start + line * width + column, active)
             total += w * V3(*[dr.gather(F, self.linear, (pixel >> s) & 255, active) for s in (0, 8, 16)])
-        return total
+            alpha += w * F(pixel >> 24) / 255
+            red += w * F(pixel & 255) / 255
+        return total, alpha, red
 
 
 class Tracer:
-    """The scene in Mitsuba, and what the estimator looks up for a triangle."""
+    """The scene in Mitsuba, and what the estimator looks up for a triangle. blend_colours: light through alpha BLEND takes the
+    base colour."""
 
-    def __init__(self, scene, sky=None):
+    def __init__(self, scene, sky=None, blend_colours=False):
         """sky: a Mitsuba environment emitter as a dictionary (sky.py), or None."""
+        self.blend_colours = blend_colours
         points = scene.corners.reshape(-1, 3)
         self.centre = (points.min(0) + points.max(0)) / 2
         self.half = float((points.max(0) - points.min(0)).max()) / 2
@@ -108,14 +113,23 @@ class Tracer:
 
     def _load_materials(self, scene):
         materials = scene.materials
-        uses = [(m, k) for m in materials for k in ("albedo_texture", "emission_texture") if m[k]]
+        keys = ("albedo_texture", "emission_texture", "transmission_texture")
+        uses = [(m, k) for m in materials for k in keys if m[k]]
         self.textures = TextureStore(scene, sorted({m[k]["texture"] for m, k in uses}))
         self.albedo = floats([m["albedo"] for m in materials])
         self.nits = floats([m["emission"] for m in materials])
         self.two_sided = U(np.array([m["double_sided"] for m in materials], np.uint32))
         self.emits = any(m["emission"].max() > 0 for m in materials)
+        self.pane = floats([m["pane"] for m in materials])
+        column = lambda key: floats([m[key] for m in materials])
+        self.alpha, self.cutoff, self.transmission = column("alpha"), column("cutoff"), column("transmission")
+        self.alpha_mode = U(np.array([m["alpha_mode"] for m in materials], np.uint32))
+        shown = set(scene.material.tolist())
+        clear = [m["alpha_mode"] > 0 or m["transmission"] > 0 for m in materials]
+        self.clear = U(np.array(clear, np.uint32))
+        self.see_through = any(c for k, c in enumerate(clear) if k in shown)
         self.uses = {}
-        for key in ("albedo_texture", "emission_texture"):
+        for key in keys:
             if not any(m[key] for m in materials):
                 continue
             number = np.array([self.textures.index[m[key]["texture"]] if m[key] else -1 for m in materials], np.int32)
@@ -128,17 +142,37 @@ class Tracer:
             uv -= np.floor(uv.min(1, keepdims=True) / 2) * 2    # whole (mirrored) periods are nothing, precision is something
             self.uses[key] = (mi.Int32(number), floats(uv))
 
-    def _textured(self, key, base, triangle, weights, material, active):
-        colour = dr.gather(V3, base, material, active)
+    def _texture(self, key, triangle, weights, material, active):
+        """Colour, alpha and red as a number; all 1 where the material has no such texture."""
         if key not in self.uses:
-            return colour
+            return V3(1), F(1), F(1)
         number, corner_uv = self.uses[key]
         texture = dr.gather(mi.Int32, number, material, active)
         use = active & (texture >= 0)
         uv = V2(0)
         for k in range(3):
             uv += weights[k] * dr.gather(V2, corner_uv, triangle * 3 + k, use)
-        return colour * dr.select(use, self.textures.value(U(dr.maximum(texture, 0)), uv, use), V3(1))
+        colour, alpha, red = self.textures.value(U(dr.maximum(texture, 0)), uv, use)
+        return dr.select(use, colour, V3(1)), dr.select(use, alpha, 1), dr.select(use, red, 1)
+
+    def _textured(self, key, base, triangle, weights, material, active):
+        return dr.gather(V3, base, material, active) * self._texture(key, triangle, weights, material, active)[0]
+
+    def passage_at(self, triangle, weights, active=True):
+        """Opacity (the chance to meet the surface), and the colour that light keeps which does not."""
+        active = B(active)
+        material = dr.gather(U, self.material, triangle, active)
+        mode = dr.gather(U, self.alpha_mode, material, active)
+        colour, alpha, _ = self._texture("albedo_texture", triangle, weights, material, active)
+        base = dr.gather(V3, self.pane, material, active) * colour
+        cover = dr.gather(F, self.alpha, material, active) * alpha
+        cut = dr.select(cover >= dr.gather(F, self.cutoff, material, active), F(1), F(0))
+        cover = dr.select(mode == 0, 1, dr.select(mode == 1, cut, cover))
+        pane = cover * dr.gather(F, self.transmission, material, active)
+        pane *= self._texture("transmission_texture", triangle, weights, material, active)[2]
+        opacity = cover - pane
+        beside = dr.select(B(self.blend_colours) & (mode == 2), base, V3(1))
+        return opacity, ((1 - cover) * beside + pane * base) / dr.maximum(1 - opacity, 1e-20)
 
     def albedo_at(self, triangle, weights, active=True):
         return self._textured("albedo_texture", self.albedo, triangle, weights,
@@ -226,8 +260,25 @@ class Tracer:
             result = dr.select(is_point, value / chance, result)
             direction, distance = dr.select(is_point, toward, direction), dr.select(is_point, far, distance)
         wanted = active & (dr.max(result) > 0)
+        if self.see_through:
+            return dr.select(wanted, result * self.transmittance(p, direction, distance, wanted), 0)
         shadow = mi.Ray3f(p, direction, distance - OFFSET, F(0), mi.Color0f())
         return dr.select(wanted & ~self.scene.ray_test(shadow, wanted), result, 0)
+
+    @dr.syntax
+    def transmittance(self, p, direction, distance, active):
+        """What all that stands between lets through, per channel."""
+        left, origin, rest, on = V3(1), V3(p), distance - OFFSET, B(active)
+        while on:
+            hit = self.scene.ray_intersect_preliminary(mi.Ray3f(origin, direction, rest, F(0), mi.Color0f()), coherent=False, active=on)
+            on &= hit.is_valid()
+            weights = [1 - hit.prim_uv.x - hit.prim_uv.y, hit.prim_uv.x, hit.prim_uv.y]
+            opacity, tint = self.passage_at(hit.prim_index, weights, on)
+            left = dr.select(on, left * tint * (1 - opacity), left)
+            origin += direction * (hit.t + OFFSET)
+            rest -= hit.t + OFFSET
+            on &= (dr.max(left) > 0) & (rest > 0)
+        return left
 
     def punctual_light(self, p, normal, lamp, u1, u2, active):
         """Irradiance without shadow, direction and distance. Of a sized lamp: by one direction, uniform over its cone."""
@@ -284,6 +335,8 @@ class Tracer:
         cosine = dr.dot(sample.d, normal)
         wanted = active & (cosine > 0) & (sample.pdf > 0)
         value = self.sky_nits(sample.d, wanted) * cosine / (sample.pdf + cosine * dr.inv_pi)
+        if self.see_through:
+            return dr.select(wanted, value * self.transmittance(p, sample.d, F(10), wanted), 0)
         return dr.select(wanted & ~self.scene.ray_test(mi.Ray3f(p, sample.d), wanted), value, 0)
 
     # --- paths -----------------------------------------------------------------------------------------------------
@@ -293,18 +346,21 @@ class Tracer:
         """Irradiance samples. p already off its surface; u1, u2: the first direction."""
         total, throughput = V3(0), V3(1)
         active = B(True)
+        # a ray that passed a pane goes on from there: `along` metres from p, and `fresh` no more
+        along, fresh, direction, cosine = F(0), B(True), V3(0, 0, 1), F(1)
         while active:
             if dr.hint(self.table.count > 0, mode="scalar"):
-                total += throughput * self.lamp_light(p, normal, rng.next_float32(), rng.next_float32(), rng.next_float32(), active)
+                total += throughput * self.lamp_light(p, normal, rng.next_float32(), rng.next_float32(), rng.next_float32(), active & fresh)
             if dr.hint(self.aims_at_sky, mode="scalar"):
-                total += throughput * self.sky_light(p, normal, rng.next_float32(), rng.next_float32(), active)
+                total += throughput * self.sky_light(p, normal, rng.next_float32(), rng.next_float32(), active & fresh)
             local = mi.warp.square_to_cosine_hemisphere(mi.Point2f(u1, u2))
-            direction = mi.Frame3f(normal).to_world(local)
-            active &= dr.dot(direction, flat) > 0
-            hit = self.scene.ray_intersect_preliminary(mi.Ray3f(p, direction), coherent=False, active=active)
+            direction = dr.select(fresh, mi.Frame3f(normal).to_world(local), direction)
+            cosine = dr.select(fresh, local.z, cosine)
+            active &= ~fresh | (dr.dot(direction, flat) > 0)
+            hit = self.scene.ray_intersect_preliminary(mi.Ray3f(p + direction * along, direction), coherent=False, active=active)
             if dr.hint(self.sky is not None, mode="scalar"):
                 left = active & ~hit.is_valid()
-                share = local.z * dr.inv_pi
+                share = cosine * dr.inv_pi
                 if dr.hint(self.aims_at_sky, mode="scalar"):
                     share /= dr.maximum(share + self.sky_density(p, direction, left), 1e-30)
                 else:
@@ -313,27 +369,38 @@ class Tracer:
             active &= hit.is_valid()
             triangle = hit.prim_index
             weights = [1 - hit.prim_uv.x - hit.prim_uv.y, hit.prim_uv.x, hit.prim_uv.y]
+            far = along + hit.t
+            passes = B(False)
+            if dr.hint(self.see_through, mode="scalar"):
+                opacity, tint = self.passage_at(triangle, weights, active)
+                passes = active & (rng.next_float32() >= opacity)
+                throughput = dr.select(passes, throughput * tint, throughput)
+                active &= ~passes | (dr.max(throughput) > 0)
+            meets = active & ~passes
             ng = dr.gather(V3, self.flat, triangle, active)
             front = dr.dot(ng, direction) < 0
             both = dr.gather(U, self.two_sided, dr.gather(U, self.material, triangle, active), active) == 1
-            active &= front | both
+            active &= passes | front | both
+            meets &= active
             if dr.hint(self.emits, mode="scalar"):
                 lamp = dr.gather(mi.Int32, self.lamp_of, triangle * 2 + dr.select(front, U(0), U(1)), active)
-                shines = active & (lamp >= 0)
+                shines = meets & (lamp >= 0)
                 facing = dr.abs(dr.dot(ng, direction))
                 density = (self.probability(self.cell(p), U(dr.maximum(lamp, 0)), shines) / dr.gather(F, self.area, triangle, shines)
-                           * dr.square(hit.t) / dr.maximum(facing, 1e-20))
-                share = local.z * dr.inv_pi
+                           * dr.square(far) / dr.maximum(facing, 1e-20))
+                share = cosine * dr.inv_pi
                 weight = share / dr.maximum(share + density, 1e-30)
                 total += dr.select(shines, throughput * dr.pi * weight * self.nits_at(triangle, weights, shines), 0)
-            throughput *= self.albedo_at(triangle, weights, active)
-            flat = dr.select(front, ng, -ng)
-            normal = V3(flat)
+            throughput = dr.select(meets, throughput * self.albedo_at(triangle, weights, meets), throughput)
+            flat = dr.select(meets, dr.select(front, ng, -ng), flat)
+            normal = dr.select(meets, flat, normal)
             corner = V3(0)
             for k in range(3):
                 corner += weights[k] * dr.gather(V3, self.corner, triangle * 3 + k, active)
-            p = corner + flat * OFFSET
-            keep = dr.minimum(dr.max(throughput) * 4, 1)
+            p = dr.select(meets, corner + flat * OFFSET, p)
+            along = dr.select(meets, 0, far + OFFSET)
+            fresh = B(meets)
+            keep = dr.select(meets, dr.minimum(dr.max(throughput) * 4, 1), 1)
             active &= rng.next_float32() < keep
             throughput /= dr.maximum(keep, 1e-20)
             u1, u2 = rng.next_float32(), rng.next_float32()
@@ -372,6 +439,8 @@ class Tracer:
         direction = mi.Frame3f(normal).to_world(mi.warp.square_to_cosine_hemisphere(mi.Point2f(floats(u[0]), floats(u[1]))))
         hit = self.scene.ray_intersect_preliminary(mi.Ray3f(vectors(start), direction), coherent=False)
         ng = dr.gather(V3, self.flat, hit.prim_index, hit.is_valid())
-        both = dr.gather(U, self.two_sided, dr.gather(U, self.material, hit.prim_index, hit.is_valid()), hit.is_valid()) == 1
+        material = dr.gather(U, self.material, hit.prim_index, hit.is_valid())
+        # what can be seen through encloses nothing
+        both = (dr.gather(U, self.two_sided, material, hit.is_valid()) | dr.gather(U, self.clear, material, hit.is_valid())) == 1
         back = hit.is_valid() & (dr.dot(ng, direction) > 0) & ~both
         return np.array(dr.select(back, F(1), F(0))).reshape(len(points), rays).mean(1)

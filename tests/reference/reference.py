@@ -69,13 +69,13 @@ def figures(baked, truth, error):
             "points": len(truth)}
 
 
-def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading", light=lights.Light()):
+def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading", light=lights.Light(), blend_colours=False):
     """Returns the figures, and the arrays they come from."""
     import pathtrace
     baked_scene = gltf_scene.Scene(baked_path)
     maps = lightmap.Lightmaps(baked_scene, baked_path)
     truth_scene, origin = load_truth_scene(scene_path, baked_path, light)
-    tracer = pathtrace.Tracer(truth_scene, light.emitter())
+    tracer = pathtrace.Tracer(truth_scene, light.emitter(), blend_colours)
     chosen, buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
     baked = np.array([maps.value(f.page, f.x, f.y) for f in chosen])
     flat = np.array([f.flat for f in chosen])
@@ -126,11 +126,12 @@ def main():
     parser.add_argument("--out", metavar="PREFIX", help="write PREFIX.json and PREFIX.npz")
     parser.add_argument("--png-errormap", metavar="FILE")
     parser.add_argument("--normals", choices=["shading", "geometric"], default="shading", help="at the compared points")
+    parser.add_argument("--blend-colour", choices=["on", "off"], default="off", help="as luxel bake had it")
     lights.add_options(parser)
     options = parser.parse_args()
     begin = time.time()
     result, arrays, maps = compare(options.scene, options.baked, options.points, options.spp, options.seed,
-                                   options.normals, lights.from_options(options))
+                                   options.normals, lights.from_options(options), options.blend_colour == "on")
     result["seconds"] = round(time.time() - begin, 1)
     text = json.dumps(result, indent=1)
     print(text)

@@ -24,6 +24,7 @@ import pathtrace    # noqa: E402
 from pathtrace import dr, mi, floats, rows, vectors   # noqa: E402
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LAYERS = 32   # panes and holes that a camera ray may pass
 
 
 class View:
@@ -36,15 +37,29 @@ class View:
         self.two_sided = np.array([m["double_sided"] for m in self.scene.materials])
 
     def hits(self, position, directions):
-        """Triangle (-1: none), weights, distance and whether a side with light was met."""
+        """Triangle (-1: none), weights, distance and whether a side with light was met; self.tint: of the panes before it."""
         start = (np.broadcast_to(position, directions.shape) - self.tracer.centre) / self.tracer.half
-        hit = self.tracer.scene.ray_intersect_preliminary(mi.Ray3f(vectors(start), vectors(directions)), coherent=True)
-        valid = np.array(hit.is_valid())
-        triangle = np.where(valid, np.array(hit.prim_index).astype(np.int64), -1)
-        u, v = (np.where(valid, np.array(c), 0).astype(float) for c in (hit.prim_uv.x, hit.prim_uv.y))
+        depth, self.tint, noise = np.zeros(len(directions)), np.ones((len(directions), 3)), np.random.default_rng(1)
+        # what lets light through is met by the chance of its opacity: the samples of a pixel show the mean
+        for _ in range(LAYERS):
+            hit = self.tracer.scene.ray_intersect_preliminary(mi.Ray3f(vectors(start), vectors(directions)), coherent=True)
+            valid = np.array(hit.is_valid())
+            triangle = np.where(valid, np.array(hit.prim_index).astype(np.int64), -1)
+            u, v = (np.where(valid, np.array(c), 0).astype(float) for c in (hit.prim_uv.x, hit.prim_uv.y))
+            step = np.where(valid, np.array(hit.t, float), 0)
+            if not self.tracer.see_through:
+                break
+            opacity, tint = self.tracer.passage_at(hit.prim_index, [1 - hit.prim_uv.x - hit.prim_uv.y, hit.prim_uv.x, hit.prim_uv.y],
+                                                   hit.is_valid())
+            passes = valid & (noise.random(len(valid)) >= np.array(opacity))
+            if not passes.any():
+                break
+            self.tint[passes] *= rows(tint)[passes]
+            step = np.where(passes, step + pathtrace.OFFSET, 0)
+            start, depth = start + directions * step[:, None], depth + step
         facing = (self.scene.flat[triangle] * directions).sum(1) < 0
         front = valid & (facing | self.two_sided[self.scene.material[triangle]])
-        return triangle, np.stack([1 - u - v, u, v], 1), np.array(hit.t, float) * self.tracer.half, front
+        return triangle, np.stack([1 - u - v, u, v], 1), (depth + step) * self.tracer.half, front
 
     def look(self, position, directions):
         """For the search: front, depth, things, light."""
@@ -64,7 +79,7 @@ class View:
         index = pathtrace.U(np.maximum(triangle, 0).astype(np.uint32))
         lanes = [floats(weights[:, k]) for k in range(3)]
         albedo, nits = rows(self.tracer.albedo_at(index, lanes)), rows(self.tracer.nits_at(index, lanes))
-        return np.where(front[:, None], light * albedo + nits, 0), front
+        return np.where(front[:, None], (light * albedo + nits) * self.tint, 0), front
 
     def error(self, position, directions, spp, seed=0):
         """Relative error of the lightmap's luminance at what each ray meets; NaN where nothing is."""

@@ -12,6 +12,7 @@
 #include "baker/chunks/spatial_tiles.h"
 #include "baker/patches/patch_build.h"
 #include "baker/patches/patch_set.h"
+#include "baker/patches/see_through_texels.h"
 #include "baker/patches/texel_raster.h"
 #include "baker/scene/scene_build.h"
 #include "baker/trace/open_backs.h"
@@ -219,6 +220,7 @@ inline std::unique_ptr<Prepared> prepare(Scene scene, const PrepareOptions& opti
     made->tracer = std::make_unique<Tracer>(made->scene);
     find_visible_area(made->scene, made->atlas, *made->tracer,
                       2 * static_cast<float>(options.patch_texels) / made->atlas.texels_per_metre, made->texels);
+    thin_see_through(made->scene, made->atlas, made->texels);
     find_texel_joints(made->scene, made->atlas, *made->tracer, made->texels);
     made->patches = build_patches(made->scene, made->atlas, made->texels, {options.patch_texels});
     const auto open = find_open_backs(made->scene, made->atlas, made->patches, *made->tracer);

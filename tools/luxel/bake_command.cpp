@@ -34,7 +34,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off";
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
@@ -103,6 +103,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.lamp_radius = a.lamp_radius;
     o.sun_angle_degrees = a.sun_angle;
     o.sky = sky_choice(a);
+    o.blend_colours = a.blend_colour == "on";
     o.unwrap.texels_per_metre = a.texels_per_metre;
     o.unwrap.page_size = a.atlas_size;
     o.unwrap.padding = a.padding;
@@ -150,6 +151,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"sky-color", a.sky_color.empty() ? "none" : a.sky_color},
             {"sky-rotate", fmt::format("{}", a.sky_turn)},
             {"sky-scale", fmt::format("{}", a.sky_scale)},
+            {"blend-colour", a.blend_colour},
             {"texels-per-metre", a.texels_per_metre > 0 ? fmt::format("{}", a.texels_per_metre) : "auto"},
             {"atlas-size", std::to_string(o.unwrap.page_size)},
             {"padding", std::to_string(o.unwrap.padding)},
@@ -283,6 +285,9 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
     command.add_option("--aov", a.aov, "layers to write beside the lightmap, separated by commas: " + known_layer_names())
         ->type_name("LIST")->group("Lightmap");
+    command.add_option("--blend-colour,--blend-color", a.blend_colour,
+                       "light that alpha BLEND lets through takes the base colour, like coloured glass; off: alpha covers, the rest is clear")
+        ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--bad-values", a.bad_values,
                        "colours outside 0 to 1, light below 0 or above 1e30: the nearest that can be, with a warning, or an error")
         ->check(CLI::IsMember({"clamp", "refuse"}))->capture_default_str()->group("Running");

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "baker/formfactors/closure.h"
+#include "tests/support/see_through.h"
 #include "tests/unit/formfactors/made_evidence_scene.h"
 
 namespace luxel {
@@ -174,6 +175,31 @@ TEST(SunkFurnace, TwoBoxes) {
                                                   .add("box", moved(box(1, 1, 1), {1.03f, 0.7f, 1.01f}), furnace_wall())
                                                   .add("cube", turned_cube({2, 1.2f, 2}), furnace_wall())
                                                   .build());
+}
+
+/// Half a sheet, a checker of holes and a pane in the furnace: what passes is as bright as what is met, so B stays. Rays that
+/// are lost would be surface that rays meet but that no patch stands for.
+TEST(SeeThroughFurnace, NothingIsMadeUpOrLost) {
+    for (const std::string kind : {"sheet", "mask", "pane"}) {
+        test::MadeMaterial two_sided = furnace_wall();
+        two_sided.double_sided = true;
+        SceneMaker maker;
+        maker.add("walls", test::room({0, 0, 0}, {4, 3, 4}), furnace_wall());
+        maker.add(kind, test::quad({0.6f, 0.5f, 1.1f}, {0.3f, 2, 0.2f}, {2.5f, 0.1f, 1}), two_sided);
+        if (kind == "mask") test::checker_mask(maker, 0.21f);
+        test::last_material(maker).base_color = {rho, rho, rho, kind == "sheet" ? 0.5 : 1.0};
+        if (kind == "sheet") test::last_material(maker).alpha_mode = AlphaMode::blend;
+        // A clear pane reflects nothing, and emits nothing.
+        if (kind == "pane") test::last_material(maker).emission = {0, 0, 0}, test::glass(maker, {1, 1, 1});
+        const Furnace f = bake_furnace(test::build_with_pictures(maker));
+        std::uint64_t rays = 0, lost = 0;
+        for (PatchNumber p = 0; p < f.made->patches.count(); ++p) {
+            rays += f.rays[p], lost += f.lost[p];
+            EXPECT_NEAR(f.radiosity[p], 1, 0.01) << kind << ' ' << f.made->path_of(p);
+        }
+        std::printf("%-6s %llu of %llu rays lost\n", kind.c_str(), static_cast<unsigned long long>(lost), static_cast<unsigned long long>(rays));
+        EXPECT_LE(lost, rays / 2000) << kind;
+    }
 }
 
 }  // namespace

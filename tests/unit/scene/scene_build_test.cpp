@@ -219,7 +219,8 @@ TEST(SceneBuild, MaterialsInPhysicalUnits) {
     EXPECT_EQ(odd.emission, Rgb(static_cast<float>(10 * pi), 0, 0));
     EXPECT_EQ(built.count("reflectance-clamped"), 1);
     EXPECT_EQ(built.count("emission-clamped"), 1);
-    EXPECT_EQ(built.scene.materials[1].reflectance, Rgb(0.75f, 0.75f, 0.75f));
+    EXPECT_EQ(built.scene.materials[1].reflectance, Rgb(1, 1, 1));
+    EXPECT_EQ(built.scene.materials[1].transmission, 0.25f);
     EXPECT_EQ(built.count("transmission-blocked"), 0);  // nothing shows that material
 }
 
