@@ -68,6 +68,7 @@ struct BakeOptions {
     double tolerance = 1e-3;          ///< of the solve: bound of the relative error
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
+    std::uint32_t share_texels = 8;   ///< radius over which gathered light may be shared, 0: not (light/share_light.h), at most 8
     Interpolation interpolation = Interpolation::linear;
     LightmapEncoding encoding = LightmapEncoding::srgb8;
     std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers

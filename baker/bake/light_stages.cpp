@@ -9,6 +9,7 @@
 #include "baker/light/pane_colour.h"
 #include "baker/light/patch_irradiance.h"
 #include "baker/light/sky.h"
+#include "baker/light/share_light.h"
 
 namespace luxel {
 namespace {
@@ -17,13 +18,15 @@ Rgb to_rgb(const Channels& c) {
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
 }
 
+/// Side of the neighbourhoods that share a guide, in patches: their rows together say more than they differ.
+constexpr std::uint32_t guide_patches = 3;
+
 /// Fills the pages of one light in the bake folder, as many as there is time for.
 class PageLighter {
   public:
     PageLighter(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources, const BakedMatrix& matrix,
                 const BakedSolution& solution)
-        : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution),
-          emitters_(geometry.scene, geometry.atlas, geometry.patches) {
+        : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution) {
         if (!g_.scene.sky.empty()) sky_.emplace(g_.scene.sky);
         for (PatchNumber p = 0; p < g_.patches.count(); ++p) {
             Channels rest = solution.result.radiosity[p];
@@ -38,23 +41,58 @@ class PageLighter {
         if (is_stopping(options_)) return {};
         find_colours();
         if (is_stopping(options_)) return {};  // there may have been no time for all colours
-        if (options_.gather_rays) {
-            // What is nearer than a patch is wide sees it as more than one brightness.
-            const float near_m = patch_side_m(options_, g_.atlas);
-            const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, emitters_, reflected_, sky_ ? &*sky_ : nullptr};
-            return gather_page(input, page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
+        if (options_.gather_rays == 0) {
+            progress.add(g_.texels.pages[page].texels.size());
+            return interpolated(page);
         }
+        if (!senders_) senders_.emplace(*this);
+        // What is nearer than a patch is wide sees it as more than one brightness.
+        const float near_m = patch_side_m(options_, g_.atlas);
+        const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, senders_->emitters, senders_->radiosity, senders_->guides,
+                                sky_ ? &*sky_ : nullptr};
+        const auto gathered = gather_page(input, page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
+        if (!gathered) return {};
+        const PageTexels& texels = g_.texels.pages[page];
+        std::vector<Rgb> sum = gathered->lamps;
+        for (const GatheredLight* part : {&gathered->emitted, &gathered->reflected}) {
+            const SharedLight shared = share_light(texels, g_.texels.page_size, *part, options_.share_texels);
+            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += shared.irradiance[k];
+        }
+        return sum;
+    }
+
+  private:
+    /// What the rays of texels meet.
+    struct Senders {
+        EmitterSet emitters;
+        RadiosityDetail radiosity;
+        LightGuides guides;
+
+        explicit Senders(PageLighter& of) : emitters(of.g_.scene, of.g_.atlas, of.g_.patches), radiosity(of.reflected_) {
+            for (std::uint32_t page = 0; page < of.g_.atlas.page_count; ++page)
+                radiosity.add_page(of.g_.texels, of.g_.patches, page, of.interpolated(page));
+            radiosity.finish();
+            std::vector<float> reflected, emitted;
+            for (const Rgb& b : of.reflected_) reflected.push_back(luminance(b));
+            for (const Patch& patch : of.g_.patches.patches) emitted.push_back(luminance(patch.emission));
+            const bool is_dark = std::none_of(reflected.begin(), reflected.end(), [](float b) { return b > 0; });
+            if (is_dark) return;
+            ClosedMatrix strips(*of.matrix_.strips, of.matrix_.area_m2, of.matrix_.closure);
+            guides = LightGuides(strips, of.g_.atlas, of.g_.patches, reflected, emitted, guide_patches * of.options_.patch_texels);
+        }
+    };
+
+    /// Irradiance of the patches, spread over the texels of a page.
+    std::vector<Rgb> interpolated(std::uint32_t page) {
         if (irradiance_.empty()) {
             ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
             irradiance_ = patch_irradiance(strips, solution_.result.radiosity, sources_.lamp_irradiance);
             for (std::size_t p = 0; p < colours_.size(); ++p)
                 irradiance_[p] = recoloured(irradiance_[p], sources_.lamp_irradiance[p], colours_[p]);
         }
-        progress.add(g_.texels.pages[page].texels.size());
         return interpolate_page(g_.atlas, g_.texels, g_.patches, irradiance_, page, options_.patch_texels, options_.interpolation);
     }
 
-  private:
     /// Once, when the first page needs them.
     void find_colours() {
         if (has_colours_) return;
@@ -70,18 +108,19 @@ class PageLighter {
     const BakedSources& sources_;
     const BakedMatrix& matrix_;
     const BakedSolution& solution_;
-    const EmitterSet emitters_;
     std::optional<Sky> sky_;
     std::vector<Rgb> reflected_;   // per patch
-    std::vector<Rgb> irradiance_;  // per patch, only for drafts
+    std::vector<Rgb> irradiance_;  // per patch, on first use
     std::vector<Rgb> colours_;     // per patch, only where panes tint
     bool has_colours_ = false;
+    std::optional<Senders> senders_;
 };
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 5")
+    return KeyBuilder("light 6")
         .key(solution)
         .integer(options.gather_rays)
+        .integer(options.share_texels)
         .integer(options.lamp_points)
         .integer(static_cast<std::int64_t>(options.seed))
         .integer(static_cast<int>(options.interpolation))

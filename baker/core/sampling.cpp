@@ -30,6 +30,20 @@ Vec3f cosine_direction(float u, float v) {
     return d;
 }
 
+Vec2f cosine_square(const Vec3f& direction) {
+    const float x = direction.x, y = direction.y;
+    const bool wide = std::fabs(x) > std::fabs(y);
+    const float longer = wide ? x : y, shorter = wide ? y : x;
+    const float t = longer != 0 ? shorter / longer : 0;
+    // arctan on [-1, 1]: half the angle twice, then three terms of its series; error below 1e-6.
+    const float half = t / (1 + std::sqrt(1 + t * t)), quarter = half / (1 + std::sqrt(1 + half * half)), s = quarter * quarter;
+    const float angle = 4 * quarter * (1 - s * (1.0f / 3 - s * (1.0f / 5 - s * (1.0f / 7))));
+    const float radius = std::sqrt(x * x + y * y), signed_radius = longer < 0 ? -radius : radius;
+    const float other = signed_radius * angle * (4 / 3.14159265358979f);
+    const Vec2f square = wide ? Vec2f(signed_radius, other) : Vec2f(other, signed_radius);
+    return (square + Vec2f(1, 1)) * 0.5f;
+}
+
 void cosine_directions(std::span<const float> u, std::span<const float> v, float* __restrict x, float* __restrict y,
                        float* __restrict z) {
     for (std::size_t k = 0; k < u.size(); ++k) concentric(u[k], v[k], x[k], y[k], z[k]);

@@ -37,6 +37,7 @@ struct Frame {
     [[nodiscard]] Vec3f to_world(const Vec3f& local) const {
         return tangent * local.x + bitangent * local.y + normal * local.z;
     }
+    [[nodiscard]] Vec3f to_local(const Vec3f& world) const { return {world.dot(tangent), world.dot(bitangent), world.dot(normal)}; }
 };
 
 }  // namespace luxel

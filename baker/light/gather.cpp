@@ -26,6 +26,7 @@ struct TexelRays {
     std::array<TraceRay, batch_rays> rays;
     std::array<TraceHit, batch_rays> hits;
     std::array<float, batch_rays> cosine;            ///< against the shading normal
+    std::array<float, batch_rays> density;           ///< of cosine rays in its direction, relative to the plain distribution
     std::array<std::uint32_t, batch_rays> number;    ///< of the texel's rays
     std::array<EmitterSet::Aim, batch_rays> target;  ///< of aimed rays
     std::size_t count = 0;
@@ -34,23 +35,34 @@ struct TexelRays {
 class TexelGather {
   public:
     TexelGather(const GatherInput& input, std::uint32_t page, const GatherOptions& options)
-        : in_(input), page_(input.texels.pages[page]), options_(options), lamps_(input.scene, input.tracer) {}
+        : in_(input), number_(page), page_(input.texels.pages[page]), options_(options), lamps_(input.scene, input.tracer) {}
 
-    [[nodiscard]] Rgb irradiance(std::size_t index) const {
+    void light(std::size_t index, GatheredPage& result) const {
         const Texel& texel = page_.texels[index];
-        if (!page_.can_send(texel)) return Rgb(0, 0, 0);
+        if (!page_.can_send(texel)) return;
         const SurfaceSampler sampler(in_.scene, in_.atlas,
                                      {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
         const std::uint64_t own_seed = seed(texel);
-        const SobolSequence sequence(own_seed);
-        return indirect(sampler, sequence, own_seed) + direct(sampler, sequence, own_seed);
+        const Plan shares = plan(texel, sampler);
+        for (std::size_t half = 0; half < 2; ++half) {
+            const HalfLight found = indirect(sampler, shares, mix(own_seed, half));
+            result.emitted.halves[half][index] = found.emitted;
+            result.reflected.halves[half][index] = found.reflected;
+        }
+        result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
     }
 
   private:
-    /// How the rays of a texel are shared out, and where emitters are likely.
+    /// How half of the rays of a texel are shared out, and where light is likely.
     struct Plan {
         std::uint32_t cosine_rays = 0, aimed_rays = 0, sky_rays = 0;
         std::vector<float> probability;  ///< per cluster of emitters
+        GuideWarp warp;
+        Frame frame{Vec3f(0, 0, 1)};  ///< of the patch: what the warp refers to
+        Vec3f middle;
+    };
+    struct HalfLight {
+        Rgb emitted, reflected;
     };
 
     /// Depends on the chart's object, its own grid and the options only: packing does not change the noise.
@@ -61,42 +73,52 @@ class TexelGather {
         return mix(mix(mix(object.path_hash, chart.ordinal), place), options_.seed ^ 0x746578656cULL);
     }
 
-    [[nodiscard]] Plan plan(const SurfaceSampler& sampler) const {
+    [[nodiscard]] Plan plan(const Texel& texel, const SurfaceSampler& sampler) const {
         Plan plan;
-        plan.cosine_rays = options_.rays;
-        plan.sky_rays = aimed_sky_rays(in_.sky, options_.rays);
-        if (!options_.aim_at_emitters || in_.emitters.empty() || options_.rays < 2) return plan;
+        plan.cosine_rays = options_.rays / 2;
+        plan.sky_rays = aimed_sky_rays(in_.sky, plan.cosine_rays);
         const SurfacePoint middle = sampler.point(0.5f, 0.5f);
+        plan.middle = middle.position;
+        const PatchNumber patch = in_.patches.page_patch[number_][std::size_t{texel.y} * in_.patches.page_size + texel.x];
+        if (patch != no_patch && !in_.guides.empty()) {
+            plan.warp = GuideWarp(in_.guides.of(patch));
+            plan.frame = in_.guides.frame(patch);
+        }
+        if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
         const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.probability);
         // Cosine rays find large emitters by themselves, with less noise than points on them.
-        if (seen > 0 && seen < 0.5f) plan.aimed_rays = options_.rays / (seen < 0.25f ? 2 : 4);
+        if (seen > 0 && seen < 0.5f) plan.aimed_rays = options_.rays / (seen < 0.25f ? 4 : 8);
+        // Where hardly any light comes straight from them, they are out of sight.
+        if (patch != no_patch && !in_.guides.empty() && in_.guides.emitted_share(patch) < 0.05f)
+            plan.aimed_rays = std::min(plan.aimed_rays, options_.rays / 16);
         plan.cosine_rays -= plan.aimed_rays;
         return plan;
     }
 
-    [[nodiscard]] Rgb indirect(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
-        const Plan shares = plan(sampler);
-        NearLight near(in_, options_.near_m, sampler.point(0.5f, 0.5f).position, shares.aimed_rays > 0, own_seed);
+    [[nodiscard]] HalfLight indirect(const SurfaceSampler& sampler, const Plan& shares, std::uint64_t own_seed) const {
+        const SobolSequence sequence(own_seed), aims(mix(own_seed, 0x61696d));
+        NearLight near(in_, options_.near_m, shares.middle, shares.aimed_rays > 0, own_seed);
         std::vector<NearVertex> vertices;
-        const SobolSequence aims(mix(own_seed, 0x61696d));
-        LightSum sum;
+        LightSum emitted, reflected;
         TexelRays batch;
         for (std::uint32_t begin = 0; begin < shares.cosine_rays; begin += batch_rays) {
-            cast_cosine(sampler, sequence, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
-            for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, near, vertices, sum);
-            if (!vertices.empty()) near.add(vertices, sum);
+            cast_cosine(sampler, sequence, shares, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
+            for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, near, vertices, emitted, reflected);
+            if (!vertices.empty()) near.add(vertices, reflected);
         }
         for (std::uint32_t begin = 0; begin < shares.aimed_rays; begin += batch_rays) {
             cast_aimed(sampler, sequence, aims, shares, begin,
                        std::min<std::uint32_t>(shares.aimed_rays, begin + batch_rays), batch);
-            for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, sum);
+            for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, emitted);
         }
-        if (shares.sky_rays) add_aimed_sky(in_, sampler, shares.cosine_rays, shares.sky_rays, own_seed, sum);
-        return sum.rgb();
+        if (shares.sky_rays) add_aimed_sky(in_, sampler, shares.warp, shares.frame, shares.cosine_rays, shares.sky_rays, own_seed, emitted);
+        return {emitted.rgb(), reflected.rgb()};
     }
 
-    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, std::uint32_t number) const {
+    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, float density,
+              std::uint32_t number) const {
         batch.number[batch.count] = number;
+        batch.density[batch.count] = density;
         batch.rays[batch.count] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
                                    at.triangle};
         batch.cosine[batch.count++] = cosine;
@@ -106,17 +128,18 @@ class TexelGather {
         in_.tracer.first_hits({batch.rays.data(), batch.count}, {batch.hits.data(), batch.count});
     }
 
-    void cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint32_t begin, std::uint32_t end,
-                     TexelRays& batch) const {
+    void cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, const Plan& shares, std::uint32_t begin,
+                     std::uint32_t end, TexelRays& batch) const {
         std::array<std::array<float, batch_rays>, 4> u;
         sequence.points(begin, u);
         batch.count = 0;
         for (std::uint32_t k = 0; k < end - begin; ++k) {
             const SurfacePoint at = sampler.point(u[0][k], u[1][k]);
-            const Vec3f local = cosine_direction(u[2][k], u[3][k]);
-            const Vec3f direction = Frame(sampler.shading_normal(at)).to_world(local);
+            const GuideWarp::Point bent = shares.warp.bend(u[2][k], u[3][k]);
+            const Vec3f local = cosine_direction(bent.u, bent.v);
+            const Vec3f direction = guide_frame(shares.frame, sampler.shading_normal(at)).to_world(local);
             // Below the true surface there is only the inside of the object.
-            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z, begin + k);
+            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z, bent.density, begin + k);
         }
         trace(batch);
     }
@@ -134,27 +157,31 @@ class TexelGather {
             const float distance = to.length();
             if (!(distance > 0)) continue;
             const Vec3f direction = to / distance;
-            const float cosine = direction.dot(sampler.shading_normal(at));
-            if (cosine <= 0 || direction.dot(at.normal) <= 0 || direction.dot(target.point.normal) >= 0) continue;
+            const Vec3f local = guide_frame(shares.frame, sampler.shading_normal(at)).to_local(direction);
+            if (local.z <= 0 || direction.dot(at.normal) <= 0 || direction.dot(target.point.normal) >= 0) continue;
             batch.target[batch.count] = target;
-            push(batch, at, direction, cosine, shares.cosine_rays + k);
+            push(batch, at, direction, local.z, shares.warp.density(local), shares.cosine_rays + k);
         }
         trace(batch);
     }
 
     void add_cosine(const TexelRays& batch, std::size_t k, const Plan& shares, const NearLight& near,
-                    std::vector<NearVertex>& vertices, LightSum& sum) const {
-        const Landing at = landing(in_.scene, in_.atlas, in_.patches, batch.hits[k]);
-        if (at.end == RayEnd::open)
-            sum.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], shares.cosine_rays, shares.sky_rays), batch.hits[k].tint);
+                    std::vector<NearVertex>& vertices, LightSum& emitted, LightSum& reflected) const {
+        const TraceHit& hit = batch.hits[k];
+        const float density = static_cast<float>(shares.cosine_rays) * batch.density[k];
+        if (hit.triangle == none) {
+            emitted.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], density, shares.sky_rays), hit.tint);
+            return;
+        }
+        const SurfaceTexel texel = surface_texel(in_.atlas, in_.patches, hit.triangle, hit.b1, hit.b2);
+        const Landing at = landing(in_.patches, hit, texel);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
-        const float share = 1.0f / static_cast<float>(shares.cosine_rays);
-        if (near.is_near(batch.hits[k].distance_m))
-            vertices.push_back(near.vertex(batch.rays[k], batch.hits[k], at.patch, batch.number[k], batch.hits[k].tint * share));
+        if (near.is_near(hit.distance_m))
+            vertices.push_back(near.vertex(batch.rays[k], hit, at.patch, batch.number[k], hit.tint / density));
         else
-            sum.add(in_.reflected[at.patch], batch.hits[k].tint * share);
-        if (emission != Rgb(0, 0, 0)) sum.add(emission, batch.hits[k].tint * weight(batch, k, at.patch, shares));
+            reflected.add(in_.radiosity.at(at.patch, in_.patches, texel), hit.tint / density);
+        if (emission != Rgb(0, 0, 0)) emitted.add(emission, hit.tint * weight(batch, k, at.patch, shares));
     }
 
     void add_aimed(const TexelRays& batch, std::size_t k, const Plan& shares, LightSum& sum) const {
@@ -168,8 +195,8 @@ class TexelGather {
     [[nodiscard]] float weight(const TexelRays& batch, std::size_t k, PatchNumber patch, const Plan& shares) const {
         const float by_cosine = batch.cosine[k] * static_cast<float>(1 / pi);
         const float aimed = shares.aimed_rays ? in_.emitters.density_per_sr(shares.probability, patch, in_.scene, batch.rays[k], batch.hits[k]) : 0.0f;
-        return by_cosine /
-               (static_cast<float>(shares.cosine_rays) * by_cosine + static_cast<float>(shares.aimed_rays) * aimed);
+        return by_cosine / (static_cast<float>(shares.cosine_rays) * by_cosine * batch.density[k] +
+                            static_cast<float>(shares.aimed_rays) * aimed);
     }
 
     [[nodiscard]] Rgb direct(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
@@ -186,6 +213,7 @@ class TexelGather {
     }
 
     const GatherInput& in_;
+    std::uint32_t number_;  ///< of the page
     const PageTexels& page_;
     const GatherOptions& options_;
     LampLight lamps_;
@@ -193,21 +221,33 @@ class TexelGather {
 
 }  // namespace
 
-std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
-                             ProgressCounter* progress) {
+std::vector<Rgb> GatheredPage::irradiance() const {
+    std::vector<Rgb> sum = lamps;
+    for (const GatheredLight* light : {&emitted, &reflected})
+        for (const std::vector<Rgb>& half : light->halves)
+            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += half[k] * 0.5f;
+    return sum;
+}
+
+std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
+                                        ProgressCounter* progress) {
     const TexelGather gather(input, page, options);
-    std::vector<Rgb> irradiance(input.texels.pages[page].texels.size());
+    const std::size_t count = input.texels.pages[page].texels.size();
+    GatheredPage result;
+    result.lamps.assign(count, Rgb(0, 0, 0));
+    for (GatheredLight* light : {&result.emitted, &result.reflected})
+        for (std::vector<Rgb>& half : light->halves) half.assign(count, Rgb(0, 0, 0));
     std::atomic<bool> stopped{false};
-    parallel_ranges(irradiance.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+    parallel_ranges(count, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             if (options.stop && options.stop->is_asked()) stopped = true;
             if (stopped) return;
-            irradiance[k] = gather.irradiance(k);
+            gather.light(k, result);
         }
         if (progress) progress->add(end - begin);
     });
-    if (stopped) irradiance.clear();
-    return irradiance;
+    if (stopped) return std::nullopt;
+    return result;
 }
 
 }  // namespace luxel

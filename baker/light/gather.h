@@ -1,16 +1,19 @@
-/// Light at every texel by final gathering: cosine rays that read the radiosity of the patch they meet, rays aimed at
+/// Light at every texel by final gathering: cosine rays bent towards where the texel's patch gets its light (light_guide.h) that
+/// read the radiosity where they end (radiosity_detail.h), rays aimed at
 /// emitting patches (up to half of all; none where emitters fill the view; the two are combined by multiple importance sampling, so the mean
 /// depends on neither), and shadow rays to lamps. A texel's value is the mean over the part of its square that the
 /// surface covers and that does not lie inside a solid; 0 where all of it does.
 /// Source: Cohen, Greenberg, Immel, Brock, An Efficient Radiosity Approach for Realistic Image Synthesis, IEEE CG&A 6(3)
 /// 1986 (patches shoot, elements receive); Reichert, A Two-Pass Radiosity Method, 1992 (final gather).
 #pragma once
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "baker/core/progress.h"
 #include "baker/core/stop.h"
 #include "baker/light/emitters.h"
+#include "baker/light/light_guide.h"
+#include "baker/light/radiosity_detail.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
 #include "baker/unwrap/atlas.h"
@@ -18,7 +21,7 @@
 namespace luxel {
 
 struct GatherOptions {
-    std::uint32_t rays = 256;        ///< per texel, a power of two, at least 2; cosine and aimed ones together
+    std::uint32_t rays = 64;         ///< per texel, a power of two, at least 4; cosine and aimed ones together
     bool aim_at_emitters = true;     ///< false: cosine rays only
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
     float near_m = 0;                ///< hits closer than this are followed on (near_light.h), m; 0: patches always serve
@@ -35,16 +38,28 @@ struct GatherInput {
     const PatchSet& patches;
     const Tracer& tracer;
     const EmitterSet& emitters;
-    /// B - M per patch number, lm/m2: radiosity without self-emission, which may be so much brighter that a float of both has
-    /// lost it.
-    std::span<const Rgb> reflected;
-    const Sky* sky = nullptr;  ///< null: there is none
+    const RadiosityDetail& radiosity;  ///< without self-emission
+    const LightGuides& guides;         ///< empty: plain cosine rays
+    const Sky* sky = nullptr;          ///< null: there is none
 };
 
-/// Irradiance H (lux) of each texel of page `page`, in the order of its texels. A pure function of geometry, light
-/// and options: neither pages nor threads change the points. Adds texels to `progress`. Empty when it was asked to stop before
-/// the page was done.
-std::vector<Rgb> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
-                             ProgressCounter* progress);
+/// Two estimates per texel from independent halves of its rays, lux: their mean is the estimate, their difference shows its noise.
+struct GatheredLight {
+    std::array<std::vector<Rgb>, 2> halves;
+};
+
+/// Irradiance H of each texel of a page, in the order of its texels, by where the light comes from.
+struct GatheredPage {
+    std::vector<Rgb> lamps;            ///< lux; no noise worth naming
+    GatheredLight emitted, reflected;  ///< straight from the sky and from surfaces that shine; by way of others
+
+    /// The sum of all, as gathered.
+    [[nodiscard]] std::vector<Rgb> irradiance() const;
+};
+
+/// A pure function of geometry, light and options: neither pages nor threads change the points. Adds texels to `progress`.
+/// Nothing when it was asked to stop before the page was done.
+std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
+                                        ProgressCounter* progress);
 
 }  // namespace luxel

@@ -8,6 +8,7 @@
 #include "baker/light/lamps.h"
 #include "baker/light/sky_gather.h"
 #include "baker/patches/patch_sampler.h"
+#include "baker/scene/texture_sample.h"
 #include "baker/trace/ray_offset.h"
 
 namespace luxel {
@@ -41,7 +42,9 @@ struct NearLight::Rays {
 
 NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
                              const Rgb& weight, float share) const {
-    const Rgb& reflectance = in_.patches.patches[patch].reflectance;
+    const bool has_texture = in_.scene.material_of(hit.triangle).base_texture != none;
+    const Rgb reflectance = has_texture ? surface_reflectance(in_.scene, hit.triangle, hit.b1, hit.b2)
+                                        : in_.patches.patches[patch].reflectance;
     const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
     return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}),
             normal.dot(ray.direction) < 0 ? normal : -normal,
@@ -128,9 +131,13 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
     std::vector<NearVertex> further;
     for (std::size_t k = 0; k < rays.count; ++k) {
         const NearVertex& from = vertices[rays.vertex[k]];
-        const Landing at = landing(in_.scene, in_.atlas, in_.patches, rays.hits[k]);
-        if (at.end == RayEnd::open)
-            sum.add(open_ray_light(in_.sky, rays.rays[k].direction, rays.cosine[k], 1, aimed_sky_rays(in_.sky, 1)), from.throughput * rays.hits[k].tint);
+        const TraceHit& hit = rays.hits[k];
+        if (hit.triangle == none) {
+            sum.add(open_ray_light(in_.sky, rays.rays[k].direction, rays.cosine[k], 1, aimed_sky_rays(in_.sky, 1)), from.throughput * hit.tint);
+            continue;
+        }
+        const SurfaceTexel texel = surface_texel(in_.atlas, in_.patches, hit.triangle, hit.b1, hit.b2);
+        const Landing at = landing(in_.patches, hit, texel);
         if (at.end != RayEnd::patch) continue;
         const Patch& patch = in_.patches.patches[at.patch];
         const Rgb throughput = from.throughput * rays.hits[k].tint;
@@ -141,7 +148,7 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
         if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share)
             further.push_back(next);
         else
-            sum.add(in_.reflected[at.patch], throughput);
+            sum.add(in_.radiosity.at(at.patch, in_.patches, texel), throughput);
     }
     vertices = std::move(further);
 }

@@ -29,7 +29,7 @@ struct Preset {
     std::uint32_t gather_rays, lamp_points;
     double tolerance;
 };
-constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 256, 4, 1e-3}, {"high", 1024, 1024, 16, 1e-4}}};
+constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 128, 4, 1e-3}, {"high", 1024, 512, 16, 1e-4}}};
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
@@ -38,7 +38,7 @@ struct Arguments {
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
-    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
     bool verify = false, quiet = false;
@@ -90,6 +90,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
         if (a.quality == preset.name) {
             o.rays = given("--rays") ? a.rays : preset.rays;
             o.gather_rays = given("--gather-rays") ? a.gather_rays : preset.gather_rays;
+            o.share_texels = a.share;
             o.lamp_points = preset.lamp_points;
             o.tolerance = given("--tolerance") ? a.tolerance : preset.tolerance;
         }
@@ -165,6 +166,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"importance", a.importance},
             {"error", a.error > 0 ? fmt::format("{}", a.error) : "none"},
             {"gather-rays", std::to_string(o.gather_rays)},
+            {"share", std::to_string(o.share_texels)},
             {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
@@ -251,7 +253,7 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
     command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
-    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 256 / 1024)")
+    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512)")
         ->check(CLI::Range(0u, 1u << 20))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
@@ -259,6 +261,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
+    command.add_option("--share", a.share, "texels over which gathered light may be shared where it is even, 0 .. 8; 0: not")
+        ->check(CLI::Range(0, 8))->capture_default_str()->group("Quality");
     command.add_option("--interpolation", a.interpolation, "of patches over texels where nothing is gathered, as in drafts and previews")
         ->check(CLI::IsMember(interpolation_names()))->capture_default_str()->group("Quality");
     command.add_option("--sky", a.sky, "picture of the sky in nits by longitude and latitude, .exr or .hdr; none: no sky (what the scene has)")

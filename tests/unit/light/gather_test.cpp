@@ -21,10 +21,12 @@ std::vector<std::vector<Rgb>> gather(const Prepared& made, std::span<const Rgb> 
     const EmitterSet emitters(made.scene, made.atlas, made.patches);
     std::vector<Rgb> reflected;
     for (std::size_t p = 0; p < radiosity.size(); ++p) reflected.push_back(radiosity[p] - made.patches.patches[p].emission);
-    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, reflected};
+    const RadiosityDetail detail(reflected);
+    const LightGuides guides;
+    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, detail, guides};
     std::vector<std::vector<Rgb>> pages;
     for (std::uint32_t page = 0; page < made.texels.pages.size(); ++page)
-        pages.push_back(gather_page(input, page, options, nullptr));
+        pages.push_back(gather_page(input, page, options, nullptr)->irradiance());
     return pages;
 }
 
@@ -176,7 +178,11 @@ TEST(Gather, EndsEmptyWhenItIsAskedToStop) {
     stop.ask();
     GatherOptions options;
     options.stop = &stop;
-    for (const auto& page : gather(*made, std::vector<Rgb>(made->patches.count(), Rgb(1, 1, 1)), options)) EXPECT_TRUE(page.empty());
+    const EmitterSet emitters(made->scene, made->atlas, made->patches);
+    const RadiosityDetail detail(std::vector<Rgb>(made->patches.count(), Rgb(1, 1, 1)));
+    const LightGuides guides;
+    const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, detail, guides};
+    for (std::uint32_t page = 0; page < made->texels.pages.size(); ++page) EXPECT_FALSE(gather_page(input, page, options, nullptr));
 }
 
 }  // namespace

@@ -23,10 +23,12 @@ std::vector<Rgb> gather_all(const Prepared& made, std::span<const Rgb> radiosity
     const EmitterSet emitters(made.scene, made.atlas, made.patches);
     std::vector<Rgb> reflected;
     for (std::size_t p = 0; p < radiosity.size(); ++p) reflected.push_back(radiosity[p] - made.patches.patches[p].emission);
-    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, reflected};
+    const RadiosityDetail detail(reflected);
+    const LightGuides guides;
+    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, detail, guides};
     std::vector<Rgb> all;
     for (std::uint32_t page = 0; page < made.texels.pages.size(); ++page)
-        for (const Rgb& h : gather_page(input, page, options, nullptr)) all.push_back(h);
+        for (const Rgb& h : gather_page(input, page, options, nullptr)->irradiance()) all.push_back(h);
     return all;
 }
 

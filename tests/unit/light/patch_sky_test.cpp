@@ -157,9 +157,10 @@ TEST(SkyGather, AnOpenFloorGetsTheIrradianceOfTheSky) {
     const std::vector<Rgb> reflected(made->patches.count(), Rgb(0, 0, 0));
     for (const SkyMap& map : {SkyMap{1, 1, {Rgb(5, 5, 5)}, 0}, sunny()}) {
         const Sky sky(map);
-        const GatherInput input{made->scene,   made->atlas, made->texels, made->patches,
-                                *made->tracer, emitters,    reflected,    &sky};
-        const auto light = gather_page(input, 0, {.rays = 256}, nullptr);
+        const RadiosityDetail radiosity({reflected.begin(), reflected.end()});
+        const LightGuides guides;
+        const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, radiosity, guides, &sky};
+        const auto light = gather_page(input, 0, {.rays = 256}, nullptr)->irradiance();
         const float expected = sky.irradiance({0, 1, 0}).x;
         double sum = 0;
         for (const Rgb& h : light) {
@@ -177,10 +178,11 @@ TEST(SkyGather, NearPathsSeeTheSky) {
     const SkyMap map{1, 1, {Rgb(1, 1, 1)}, 0};
     const Sky sky(map);
     const auto gathered = [&](float near_m, std::span<const Rgb> reflected) {
-        const GatherInput input{made->scene,   made->atlas, made->texels, made->patches,
-                                *made->tracer, emitters,    reflected,    &sky};
+        const RadiosityDetail radiosity({reflected.begin(), reflected.end()});
+        const LightGuides guides;
+        const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, radiosity, guides, &sky};
         double sum = 0, area = 0;
-        const auto light = gather_page(input, 0, {.rays = 256, .near_m = near_m}, nullptr);
+        const auto light = gather_page(input, 0, {.rays = 256, .near_m = near_m}, nullptr)->irradiance();
         for (const Rgb& h : light) sum += static_cast<double>(h.x), area += 1;
         return sum / area;
     };

@@ -54,9 +54,11 @@ Gathered gather(SceneMaker& maker, const GatherOptions& options, double texels_p
     const test::Prepared& made = *out.made;
     const EmitterSet emitters(made.scene, made.atlas, made.patches);
     const std::vector<Rgb> reflected(made.patches.count(), Rgb(0, 0, 0));
-    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, reflected};
+    const RadiosityDetail detail(reflected);
+    const LightGuides guides;
+    const GatherInput input{made.scene, made.atlas, made.texels, made.patches, *made.tracer, emitters, detail, guides};
     for (std::uint32_t page = 0; page < made.texels.pages.size(); ++page)
-        out.pages.push_back(gather_page(input, page, options, nullptr));
+        out.pages.push_back(gather_page(input, page, options, nullptr)->irradiance());
     return out;
 }
 
@@ -98,8 +100,8 @@ TEST(SeeThroughLight, SheetsAndPanesWeakenLampsExactly) {
                 const LightPoint point{at - to_float(scene.origin), {0, 1, 0}, {0, 1, 0}, 0};
                 const Rgb open = unshadowed_irradiance(scene.lamps[0], point.position, point.shading_normal);
                 for (int c = 0; c < 3; ++c) {
-                    EXPECT_NEAR(light.irradiance(point, 0.5f)[c], open[c] * expected[c], 2e-6f * open[c]);
-                    EXPECT_NEAR(light.irradiance_of(0, point)[c], open[c] * expected[c], 2e-6f * open[c]);
+                    EXPECT_NEAR(light.irradiance(point, 0.5f, {0.5f, 0.5f})[c], open[c] * expected[c], 2e-6f * open[c]);
+                    EXPECT_NEAR(light.irradiance_of(0, point, {0.5f, 0.5f})[c], open[c] * expected[c], 2e-6f * open[c]);
                 }
             }
         }
@@ -121,7 +123,7 @@ TEST(SeeThroughLight, ManyWeakLampsThroughAPane) {
     double sum = 0, full = 0;
     for (const Lamp& lamp : scene.lamps) full += static_cast<double>(unshadowed_irradiance(lamp, at.position, at.shading_normal).x);
     for (int k = 0; k < 1000; ++k) {
-        const Rgb e = LampLight(scene, tracer).irradiance(at, (static_cast<float>(k) + 0.5f) / 1000);
+        const Rgb e = LampLight(scene, tracer).irradiance(at, (static_cast<float>(k) + 0.5f) / 1000, {0.5f, 0.5f});
         EXPECT_NEAR(e.y, 2 * e.x, 1e-5f * e.x);
         EXPECT_NEAR(e.z, 0.5f * e.x, 1e-5f * e.x);
         sum += static_cast<double>(e.x) / 1000;

@@ -1,0 +1,226 @@
+#include "baker/light/light_guide.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "baker/core/parallel.h"
+#include "baker/core/sampling.h"
+#include "baker/patches/neighbourhoods.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::uint32_t side = LightGuides::side, cells = LightGuides::cells;
+
+std::uint32_t cell_of(const Vec2f& square) {
+    const auto step = [](float x) {
+        return static_cast<std::uint32_t>(std::clamp(x * static_cast<float>(side), 0.0f, static_cast<float>(side) - 0.5f));
+    };
+    return step(square.y) * side + step(square.x);
+}
+
+/// Numbers guides, chunk after chunk: one per neighbourhood and chunk.
+struct GuideNumbers {
+    std::vector<std::uint32_t> of_patch, first_of_chunk{0};
+    std::vector<PatchNumber> first_patch;  ///< of each guide
+};
+
+GuideNumbers number_guides(const ChunkLayout& layout, const Atlas& atlas, const PatchSet& patches, std::uint32_t texels) {
+    const std::vector<std::uint32_t> neighbourhood = neighbourhoods(atlas, patches, texels);
+    GuideNumbers numbers;
+    numbers.of_patch.resize(patches.count());
+    std::vector<std::uint32_t> latest(neighbourhood.size(), none);  // guide by neighbourhood
+    for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) {
+        for (PatchNumber p = layout.first_patch[chunk]; p < layout.first_patch[chunk + 1]; ++p) {
+            std::uint32_t& guide = latest[neighbourhood[p]];
+            if (guide == none || guide < numbers.first_of_chunk[chunk]) {
+                guide = static_cast<std::uint32_t>(numbers.first_patch.size());
+                numbers.first_patch.push_back(p);
+            }
+            numbers.of_patch[p] = guide;
+        }
+        numbers.first_of_chunk.push_back(static_cast<std::uint32_t>(numbers.first_patch.size()));
+    }
+    return numbers;
+}
+
+/// What the patches of one chunk receive, by direction.
+class ChunkGuides {
+  public:
+    ChunkGuides(const PatchSet& patches, const GuideNumbers& numbers, ChunkNumber chunk)
+        : patches_(patches), numbers_(numbers), first_(numbers.first_of_chunk[chunk]),
+          received_(std::size_t{numbers.first_of_chunk[chunk + 1] - first_} * cells, 0),
+          sums_(numbers.first_of_chunk[chunk + 1] - first_) {}
+
+    /// Patch `to` of the chunk receives so much from patch `from`. Both have an extent: what is reflected is laid on four
+    /// directions between different parts of them.
+    void add(PatchNumber to, PatchNumber from, float amount, float emitted) {
+        const Patch &here = patches_.patches[to], &there = patches_.patches[from];
+        if (here.is_back) return;
+        const std::uint32_t guide = numbers_.of_patch[to];
+        sums_[guide - first_].reflected += static_cast<double>(amount);
+        sums_[guide - first_].emitted += static_cast<double>(emitted);
+        if (!(amount > 0)) return;
+        const Frame own = guide_frame(Frame(patches_.patches[numbers_.first_patch[guide]].normal), here.normal);
+        const Frame other(there.normal);
+        const float own_step = 0.29f * std::sqrt(here.area_m2), other_step = 0.29f * std::sqrt(there.area_m2);
+        constexpr std::array<std::array<float, 4>, 4> corners{{{1, 1, 1, -1}, {-1, -1, -1, 1}, {1, -1, -1, -1}, {-1, 1, 1, 1}}};
+        for (const auto& corner : corners) {
+            const Vec3f start = here.center + (own.tangent * corner[0] + own.bitangent * corner[1]) * own_step;
+            const Vec3f end = there.center + (other.tangent * corner[2] + other.bitangent * corner[3]) * other_step;
+            const Vec3f way = end - start;
+            const float length = way.length();
+            if (!(length > 0)) continue;
+            const Vec3f local(way.dot(own.tangent) / length, way.dot(own.bitangent) / length, way.dot(own.normal) / length);
+            if (local.z > 0) received_[std::size_t{guide - first_} * cells + cell_of(cosine_square(local))] += amount;
+        }
+    }
+
+    void write_emitted_share(float* shares) const {
+        for (std::size_t k = 0; k < sums_.size(); ++k) {
+            const double all = sums_[k].reflected + sums_[k].emitted;
+            shares[k] = all > 0 ? static_cast<float>(sums_[k].emitted / all) : 0.0f;
+        }
+    }
+
+    /// Weights of every guide, the largest cell 255; all 0 where nothing arrives.
+    void write(std::uint8_t* weights) const {
+        for (std::size_t begin = 0; begin < received_.size(); begin += cells) {
+            const std::array<float, cells> smooth = blurred(received_.data() + begin);
+            const float largest = *std::max_element(smooth.begin(), smooth.end());
+            if (!(largest > 0)) continue;
+            for (std::uint32_t c = 0; c < cells; ++c) weights[begin + c] = static_cast<std::uint8_t>(smooth[c] / largest * 255 + 0.5f);
+        }
+    }
+
+  private:
+    /// Over neighbouring cells, 1 : 2 : 1 along both sides: the guide serves points around those that it was made for.
+    static std::array<float, cells> blurred(const float* from) {
+        std::array<float, cells> across, both;
+        const auto at = [](std::uint32_t x, int step) {
+            return static_cast<std::uint32_t>(std::clamp(static_cast<int>(x) + step, 0, static_cast<int>(side) - 1));
+        };
+        for (std::uint32_t y = 0; y < side; ++y)
+            for (std::uint32_t x = 0; x < side; ++x)
+                across[y * side + x] = from[y * side + at(x, -1)] + 2 * from[y * side + x] + from[y * side + at(x, 1)];
+        for (std::uint32_t y = 0; y < side; ++y)
+            for (std::uint32_t x = 0; x < side; ++x)
+                both[y * side + x] = across[at(y, -1) * side + x] + 2 * across[y * side + x] + across[at(y, 1) * side + x];
+        return both;
+    }
+
+    const PatchSet& patches_;
+    const GuideNumbers& numbers_;
+    std::uint32_t first_;
+    std::vector<float> received_;
+    struct Sums {
+        double reflected = 0, emitted = 0;
+    };
+    std::vector<Sums> sums_;  ///< per guide
+};
+
+}  // namespace
+
+LightGuides::LightGuides(BlockSource& source, const Atlas& atlas, const PatchSet& patches, std::span<const float> reflected,
+                         std::span<const float> emitted, std::uint32_t texels) {
+    const ChunkLayout& layout = source.layout();
+    const GuideNumbers numbers = number_guides(layout, atlas, patches, texels);
+    std::vector<std::vector<std::size_t>> blocks(layout.chunk_count());
+    for (std::size_t k = 0; k < source.blocks().size(); ++k) {
+        const BlockInfo& info = source.blocks()[k];
+        blocks[info.a].push_back(k);
+        if (info.b != info.a) blocks[info.b].push_back(k);
+    }
+    weights_.resize(numbers.first_patch.size() * cells);
+    emitted_share_.resize(numbers.first_patch.size());
+    parallel_isolated(layout.chunk_count(), [&](std::size_t c) {
+        const auto chunk = static_cast<ChunkNumber>(c);
+        ChunkGuides guides(patches, numbers, chunk);
+        Block block;
+        for (const std::size_t k : blocks[c]) {
+            source.load(k, block);
+            for (std::uint32_t row = 0; row + 1 < block.row_begin.size(); ++row) {
+                const PatchNumber i = layout.first_patch[block.a] + row;
+                for (std::uint32_t e = block.row_begin[row]; e < block.row_begin[row + 1]; ++e) {
+                    const PatchNumber j = layout.first_patch[block.b] + block.columns[e];
+                    if (block.a == chunk) guides.add(i, j, block.areas_m2[e] * reflected[j], block.areas_m2[e] * emitted[j]);
+                    if (block.b == chunk) guides.add(j, i, block.areas_m2[e] * reflected[i], block.areas_m2[e] * emitted[i]);
+                }
+            }
+        }
+        guides.write_emitted_share(emitted_share_.data() + numbers.first_of_chunk[chunk]);
+        guides.write(weights_.data() + std::size_t{numbers.first_of_chunk[chunk]} * cells);
+    });
+    guide_of_ = numbers.of_patch;
+    for (const PatchNumber first : numbers.first_patch) normals_.push_back(patches.patches[first].normal);
+}
+
+GuideWarp::GuideWarp(std::span<const std::uint8_t, cells> weights) {
+    std::uint32_t total = 0, squares = 0;
+    for (const std::uint32_t weight : weights) total += weight, squares += weight * weight;
+    if (total == 0) return;
+    is_plain_ = false;
+    // Even light is best asked for evenly: a stratified pattern is far better at it than its mixture with a table.
+    const float mean = static_cast<float>(total) / static_cast<float>(cells);
+    const float contrast = static_cast<float>(squares) / static_cast<float>(cells) / (mean * mean) - 1;
+    const float guided_share = most_guided * contrast / (1 + contrast);
+    const float plain = (1 - guided_share) / static_cast<float>(cells), guided = guided_share / static_cast<float>(total);
+    double all = 0;
+    for (std::uint32_t row = 0; row < side; ++row) {
+        float* up_to = up_to_.data() + row * (side + 1);
+        double sum = 0;
+        std::array<double, side> sums;
+        for (std::uint32_t x = 0; x < side; ++x)
+            sums[x] = sum += static_cast<double>(plain + guided * static_cast<float>(weights[row * side + x]));
+        for (std::uint32_t x = 0; x < side; ++x) up_to[x + 1] = static_cast<float>(sums[x] / sum);
+        row_up_to_[row + 1] = static_cast<float>(all += sum);
+    }
+    row_up_to_[side] = 1;
+}
+
+namespace {
+
+/// The step of a cumulative table that holds `value`, and how far into it.
+struct Step {
+    std::uint32_t index;
+    float inside, probability;
+};
+Step step_at(const float* up_to, float value) {
+    std::uint32_t k = value < up_to[8] ? 0 : 8;
+    if (!(value < up_to[k + 4])) k += 4;
+    if (!(value < up_to[k + 2])) k += 2;
+    if (!(value < up_to[k + 1])) k += 1;
+    const float probability = up_to[k + 1] - up_to[k];
+    return {k, std::clamp((value - up_to[k]) / probability, 0.0f, 0x1.fffffep-1f), probability};
+}
+static_assert(side == 16);
+
+}  // namespace
+
+GuideWarp::Point GuideWarp::bend(float u, float v) const {
+    if (is_plain_) return {u, v, 1};
+    const Step row = step_at(row_up_to_.data(), v);
+    const Step column = step_at(up_to_.data() + row.index * (side + 1), u);
+    return {(static_cast<float>(column.index) + column.inside) / side, (static_cast<float>(row.index) + row.inside) / side,
+            row.probability * column.probability * static_cast<float>(cells)};
+}
+
+float GuideWarp::density(const Vec3f& local) const {
+    if (is_plain_) return 1;
+    const std::uint32_t cell = cell_of(cosine_square(local)), row = cell / side, x = cell % side;
+    const float* up_to = up_to_.data() + row * (side + 1);
+    return (row_up_to_[row + 1] - row_up_to_[row]) * (up_to[x + 1] - up_to[x]) * static_cast<float>(cells);
+}
+
+Frame guide_frame(const Frame& patch, const Vec3f& normal) {
+    if (normal == patch.normal) return patch;
+    Frame leant(normal);
+    const Vec3f across = patch.tangent - normal * patch.tangent.dot(normal);
+    const float length = across.length();
+    if (!(length > 0.1f)) return leant;  // nearly along the normal: any frame will do
+    leant.tangent = across / length;
+    leant.bitangent = normal.cross(leant.tangent);
+    return leant;
+}
+
+}  // namespace luxel

@@ -1,0 +1,58 @@
+/// What a ray reads of the solution where it ends. A patch has one radiosity; the texture on it and the light that changes
+/// across it do not. Here every texel has a factor per channel on the radiosity of its patch:
+///
+///     B_texel = rho_texel H_texel,  H interpolated between patches,  scaled so that the mean over a patch stays what was solved
+///
+/// so light bounces with the detail of the texture, and no power is made or lost.
+///
+/// Stored   4 bytes a texel: three logarithmic factors of 10 bits, 2^-4 .. 2^4 in steps of 0.54 %, 0, and exactly 1 where
+///          nothing differs: an evenly lit surface without texture stays exact.
+/// Threads  const and reentrant once made.
+/// Source   two-pass radiosity: patches shoot, elements receive (Cohen, Greenberg, Immel, Brock 1986).
+#pragma once
+#include <span>
+#include <vector>
+
+#include "baker/patches/patch.h"
+#include "baker/patches/patch_lookup.h"
+
+namespace luxel {
+
+class RadiosityDetail {
+  public:
+    /// `reflected`: B - M per patch number, lm/m2, without self-emission, which may be so much brighter that a float of both
+    /// has lost it. No detail: every texel is as its patch.
+    explicit RadiosityDetail(std::vector<Rgb> reflected) : reflected_(std::move(reflected)) {}
+
+    /// Adds the detail of page `page`. `irradiance`: H of each of its texels (lux), in their order; the scale does not matter
+    /// patch by patch. All pages once, in any order, before the first look-up; then finish().
+    void add_page(const TexelSet& texels, const PatchSet& patches, std::uint32_t page, std::span<const Rgb> irradiance);
+    /// Makes the mean over each patch what was solved.
+    void finish();
+
+    /// Reflected radiosity, lm/m2, where a ray met patch `patch` at `at`.
+    [[nodiscard]] Rgb at(PatchNumber patch, const PatchSet& patches, const SurfaceTexel& at) const {
+        const Rgb& mean = reflected_[patch];
+        // A back has no texels of its own, and what rounding put beside the chart has none either.
+        if (pages_.empty() || *at.patch != patch) return mean;
+        const std::vector<std::uint32_t>& page = pages_[at.chart->page];
+        const std::uint32_t packed = page[std::size_t{at.chart->y + at.y} * patches.page_size + at.chart->x + at.x];
+        return {mean.x * factor(packed), mean.y * factor(packed >> 10), mean.z * factor(packed >> 20)};
+    }
+
+    [[nodiscard]] std::uint64_t resident_bytes() const;
+    static constexpr std::uint64_t bytes_per_page_texel = 4;
+
+  private:
+    static constexpr std::uint32_t channel_mask = 1023;
+    static const std::array<float, 1024>& factors();
+    static std::uint32_t code(double factor);
+    [[nodiscard]] static float factor(std::uint32_t packed) { return factors()[packed & channel_mask]; }
+
+    std::vector<Rgb> reflected_;
+    std::vector<std::vector<std::uint32_t>> pages_;
+    /// Per patch and channel: area times factor of its texels so far, and their area.
+    std::vector<std::array<double, 4>> sums_;
+};
+
+}  // namespace luxel
