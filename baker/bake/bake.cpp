@@ -11,6 +11,7 @@
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
 #include "baker/core/parallel.h"
+#include "baker/output/seam_join.h"
 #include "formats/base/file.h"
 #include "formats/image/image_file.h"
 
@@ -68,7 +69,7 @@ BakeReport bake(const BakeOptions& options) {
     const MemoryPlan plan =
         plan_memory(options.memory_bytes, fixed, geometry->patches.count(), options.chunk_patches,
                     geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.solver,
-                    options.preview_s > 0);
+                    seam_join_bytes(geometry->seams), options.preview_s > 0);
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.

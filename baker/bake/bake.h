@@ -19,6 +19,9 @@ namespace luxel {
 /// How form factors are found: formfactors/ray_estimator.h, formfactors/hemicube_estimator.h.
 enum class EstimatorKind { ray, hemicube };
 
+/// What becomes of jumps of light between charts where the surface goes on: output/seam_join.h.
+enum class SeamMode { join, keep };
+
 /// How patches are grouped: chunks/room_chunks.h, chunks/spatial_tiles.h.
 enum class ChunkKind { rooms, tiles };
 
@@ -53,6 +56,7 @@ struct BakeOptions {
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
     Interpolation interpolation = Interpolation::linear;
+    SeamMode seams = SeamMode::join;
     LightmapEncoding encoding = LightmapEncoding::srgb8;
     std::uint64_t seed = 0;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "baker/bake/page_image.h"
 #include "baker/solver/coarse_space.h"
 #include "formats/base/error.h"
 
@@ -36,8 +37,8 @@ constexpr std::uint64_t bytes_per_entry = CoarseSpace::bytes_per_entry + CoarseS
 constexpr std::uint64_t accuracy_bytes_per_patch = 420;
 /// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
 constexpr std::uint64_t bytes_per_shown_patch = 24 + 12;
-/// A page on its way out: light of its texels, float RGB, mask, 8 bit RGB, and the encoders' copies of them.
-constexpr std::uint64_t bytes_per_page_texel = 12 + 12 + 1 + 3 + 24;
+/// A page on its way out: its picture, 8 bit RGB, and the encoders' copies of them.
+constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
@@ -45,20 +46,21 @@ constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
 MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
                        std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, SolverKind solver, bool previews) {
+                       bool image_library_loaded, SolverKind solver, std::uint64_t seam_bytes, bool previews) {
     // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
     // as much again for its counts.
     const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
     const std::uint64_t blocks = pairs * 12 * threads;
     const std::uint64_t page = std::uint64_t{page_size} * page_size * bytes_per_page_texel;
-    const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
+    const std::uint64_t pictures = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
+    const std::uint64_t writing = pictures + seam_bytes;
     const std::uint64_t vectors = std::max(patch_count * accuracy_bytes_per_patch,
                                            patch_count * solve_bytes_per_patch(solver) + CoarseSpace::most_entries(patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
     const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
-    const std::uint64_t aside = previews ? writing : 0;
-    plan.floor_bytes = fixed + (previews ? writing + solving : std::max(writing, solving));
+    const std::uint64_t aside = previews ? pictures : 0;
+    plan.floor_bytes = fixed + std::max(writing, aside + solving);
     if (budget_bytes < plan.floor_bytes) {
         const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
         throw Error(ErrorCode::budget_too_small, "--memory",

@@ -14,10 +14,10 @@ struct MemoryPlan {
 };
 
 /// `fixed_bytes`: resident now beside the geometry (program, libraries); `image_library_loaded`: is the image library among
-/// them? `solver`: solvers hold more or less per patch. `previews`: pictures are written while the light is solved. Pure. Throws Error{budget_too_small} stating the
+/// them? `solver`: solvers hold more or less per patch. `seam_bytes`: joining them (output/seam_join.h), before the pictures are written. `previews`: pictures are written while the light is solved. Pure. Throws Error{budget_too_small} stating the
 /// smallest budget when the given one is below the floor.
 MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
                        std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, SolverKind solver, bool previews = false);
+                       bool image_library_loaded, SolverKind solver, std::uint64_t seam_bytes, bool previews = false);
 
 }  // namespace luxel

@@ -33,7 +33,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear",
-                                encoding = "srgb8", importance = "on", estimator = "ray",
+                                encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp";
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, hemicube_resolution = 64;
@@ -92,6 +92,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.solver = *solver_kind(a.solver);
     o.error = a.error;
     o.interpolation = a.interpolation == "constant" ? Interpolation::constant : Interpolation::linear;
+    o.seams = a.seams == "keep" ? SeamMode::keep : SeamMode::join;
     o.encoding = parse_encoding(a.encoding);
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
@@ -124,6 +125,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
+            {"seams", a.seams},
             {"encoding", a.encoding},
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},
@@ -218,6 +220,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 64u))->capture_default_str()->group("Lightmap");
     command.add_option("--uv", a.uv, "new charts, or keep the file's second UV set where it is fit")
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
+        ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
     command.add_option("--bad-values", a.bad_values,

@@ -24,7 +24,7 @@ const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1},
 
 MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true, bool previews = false, SolverKind solver = SolverKind::shoot) {
     return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded, solver,
-                       previews);
+                       0, previews);
 }
 
 /// The smallest budget that the message names, in bytes.
@@ -87,6 +87,18 @@ TEST(MemoryPlan, PreviewsComeBesideTheSolve) {
         EXPECT_GE(plan(budget, size, false, true).floor_bytes, plan(budget, size, false).floor_bytes + size.patch_count * 36 + page);
         EXPECT_LE(plan(budget, size, false, true).cache_bytes + library / 2, plan(budget, size, false).cache_bytes);
     }
+}
+
+TEST(MemoryPlan, JoiningSeamsIsCountedWhileWriting) {
+    const auto floor = [](std::uint64_t seam_bytes) {
+        const Size& s = sizes[1];
+        return plan_memory(std::uint64_t{1} << 40, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, true,
+                           SolverKind::shoot, seam_bytes)
+            .floor_bytes;
+    };
+    constexpr std::uint64_t much = std::uint64_t{1} << 34;
+    EXPECT_GE(floor(0) + much, floor(much));
+    EXPECT_EQ(floor(2 * much), floor(much) + much);
 }
 
 TEST(MemoryPlan, TheFloorGrowsWithTheScene) {
