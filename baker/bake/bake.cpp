@@ -11,6 +11,7 @@
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
 #include "baker/core/parallel.h"
+#include "baker/output/seam_join.h"
 #include "formats/base/file.h"
 #include "formats/image/image_file.h"
 
@@ -78,10 +79,18 @@ BakeReport bake(const BakeOptions& options) {
     ::malloc_trim(0);  // what the stages have freed is not needed, and would make the floor a matter of luck
     const std::uint64_t resident = resident_bytes_now();
     const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
-    const MemoryPlan plan =
-        plan_memory(options.memory_bytes, fixed, geometry->patches.count(), options.chunk_patches,
-                    geometry->atlas.page_size, threads.threads(), image_library_is_loaded(), options.solver,
-                    options.preview_s > 0, layer_bytes_per_texel(options.layers));
+    const MemoryPlan plan = plan_memory(options.memory_bytes, {.fixed_bytes = fixed,
+                                                               .image_library_loaded = image_library_is_loaded(),
+                                                               .patch_count = geometry->patches.count(),
+                                                               .chunk_patches = options.chunk_patches,
+                                                               .page_size = geometry->atlas.page_size,
+                                                               .page_count = geometry->atlas.page_count,
+                                                               .threads = threads.threads(),
+                                                               .solver = options.solver,
+                                                               .gathers = options.gather_rays > 0,
+                                                               .previews = options.preview_s > 0,
+                                                               .seam_bytes = seam_join_bytes(geometry->seams),
+                                                               .layer_bytes_per_texel = layer_bytes_per_texel(options.layers)});
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the image library comes: the floor counts only one of them.

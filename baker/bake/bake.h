@@ -22,6 +22,9 @@ namespace luxel {
 /// How form factors are found: formfactors/ray_estimator.h, formfactors/hemicube_estimator.h.
 enum class EstimatorKind { ray, hemicube };
 
+/// What becomes of jumps of light between charts where the surface goes on: output/seam_join.h.
+enum class SeamMode { join, keep };
+
 /// How patches are grouped: chunks/room_chunks.h, chunks/spatial_tiles.h.
 enum class ChunkKind { rooms, tiles };
 
@@ -70,6 +73,7 @@ struct BakeOptions {
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
     std::uint32_t share_texels = 8;   ///< radius over which gathered light may be shared, 0: not (light/share_light.h), at most 8
     Interpolation interpolation = Interpolation::linear;
+    SeamMode seams = SeamMode::join;
     LightmapEncoding encoding = LightmapEncoding::srgb8;
     std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers
     std::uint64_t seed = 0;

@@ -144,7 +144,7 @@ void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& re
 
 std::uint64_t BakedGeometry::resident_bytes() const {
     std::uint64_t bytes = scene.resident_bytes() + atlas.resident_bytes() + texels.resident_bytes() +
-                          patches.resident_bytes() + (tracer ? tracer->resident_bytes() : 0);
+                          patches.resident_bytes() + seams.size() * sizeof(Seam) + (tracer ? tracer->resident_bytes() : 0);
     for (const Bytes& buffer : document.buffers) bytes += buffer.size();
     for (const auto& view : document.decoded_views) bytes += view ? view->size() : 0;
     for (const ImageRecord& image : record.images) bytes += image.bytes.size();
@@ -175,6 +175,11 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
         find_texel_joints(g->scene, g->atlas, *g->tracer, g->texels);
         return false;
     });
+    if (options.seams == SeamMode::join)
+        clock.stage("seams", [&] {
+            g->seams = find_seams(g->scene, g->atlas);
+            return false;
+        });
     clock.stage("patches", [&] {
         g->patches = build_patches(g->scene, g->atlas, g->texels, {options.patch_texels});
         return false;

@@ -7,6 +7,7 @@
 #include "baker/bake/bake_folder.h"
 #include "baker/bake/stage_clock.h"
 #include "baker/formfactors/block_source.h"
+#include "baker/output/seam_edges.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
 #include "formats/gltf/gltf_document.h"
@@ -19,6 +20,7 @@ struct BakedGeometry {
     Scene scene;
     Atlas atlas;
     TexelSet texels;
+    std::vector<Seam> seams;  ///< empty if none are to be joined
     PatchSet patches;  ///< numbered by chunk, open backs included
     ChunkLayout layout;
     std::unique_ptr<Tracer> tracer;  ///< refers to `scene`

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "baker/bake/page_image.h"
+#include "baker/light/radiosity_detail.h"
 #include "baker/solver/coarse_space.h"
 #include "formats/base/error.h"
 
@@ -37,34 +39,41 @@ constexpr std::uint64_t accuracy_bytes_per_patch = 420;
 /// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
 /// Beside them the links between neighbours (light/cell_links.h).
 constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
-/// A page on its way out: light of its texels, float RGB, mask, 8 bit RGB, and the encoders' copies of them.
-constexpr std::uint64_t bytes_per_page_texel = 12 + 12 + 1 + 3 + 24;
+/// A page on its way out: its picture, 8 bit RGB, and the encoders' copies of them.
+constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
+/// Of gathering: what the solve leaves and was given (200), where light comes from (light/light_guide.h), radiosity and irradiance.
+constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36;
+/// A page that is gathered: its lamps, two halves of two kinds of light, what sharing makes of one of them, and places.
+constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 * 12 + 20 + 12 + 5;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
 }  // namespace
 
-MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
-                       std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, SolverKind solver, bool previews, std::uint64_t layer_bytes_per_texel) {
+MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
     // A block in work per thread, at the density of a chunk's own block (measured: at most 40 %): 6 bytes a pair decoded,
     // as much again for its counts.
-    const std::uint64_t pairs = std::uint64_t{chunk_patches} * chunk_patches * 2 / 5;
-    const std::uint64_t blocks = pairs * 12 * threads;
+    const std::uint64_t pairs = std::uint64_t{demand.chunk_patches} * demand.chunk_patches * 2 / 5;
+    const std::uint64_t blocks = pairs * 12 * demand.threads;
+    const std::uint64_t page_texels = std::uint64_t{demand.page_size} * demand.page_size;
     // The lightmap is gone when its layers come.
-    const std::uint64_t page = std::uint64_t{page_size} * page_size * std::max(bytes_per_page_texel, layer_bytes_per_texel);
-    const std::uint64_t writing = (image_library_loaded ? 0 : image_library_bytes) + page + patch_count * bytes_per_shown_patch;
-    const std::uint64_t vectors = std::max(patch_count * accuracy_bytes_per_patch,
-                                           patch_count * solve_bytes_per_patch(solver) + CoarseSpace::most_entries(patch_count) * bytes_per_entry);
+    const std::uint64_t page = page_texels * std::max(bytes_per_page_texel, demand.layer_bytes_per_texel);
+    const std::uint64_t pictures = (demand.image_library_loaded ? 0 : image_library_bytes) + page + demand.patch_count * bytes_per_shown_patch;
+    const std::uint64_t writing = pictures + demand.seam_bytes;
+    const std::uint64_t vectors = std::max(demand.patch_count * accuracy_bytes_per_patch,
+                                           demand.patch_count * solve_bytes_per_patch(demand.solver) +
+                                               CoarseSpace::most_entries(demand.patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
-    const std::uint64_t fixed = (fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
+    const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks +
+                                    page_texels * (gather_bytes_per_page_texel + demand.page_count * RadiosityDetail::bytes_per_page_texel);
+    const std::uint64_t fixed = (demand.fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
-    const std::uint64_t aside = previews ? writing : 0;
-    plan.floor_bytes = fixed + (previews ? writing + solving : std::max(writing, solving));
+    const std::uint64_t aside = demand.previews ? pictures : 0;
+    plan.floor_bytes = fixed + std::max({writing, aside + solving, gathering});
     if (budget_bytes < plan.floor_bytes) {
         const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
         throw Error(ErrorCode::budget_too_small, "--memory",
-                    std::to_string(budget_bytes / mebibyte) + "M is too small for " + std::to_string(patch_count) + " patches",
+                    std::to_string(budget_bytes / mebibyte) + "M is too small for " + std::to_string(demand.patch_count) + " patches",
                     "use --memory " + std::to_string(smallest) + "M or more; the scene's geometry is not counted");
     }
     const std::uint64_t spare = budget_bytes - fixed - aside - solving + working_bytes;

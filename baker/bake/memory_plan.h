@@ -13,11 +13,21 @@ struct MemoryPlan {
     std::uint64_t cache_bytes = 0;    ///< decoded blocks kept by the solver
 };
 
-/// `fixed_bytes`: resident now beside the geometry (program, libraries); `image_library_loaded`: is the image library among
-/// them? `solver`: solvers hold more or less per patch. `previews`: pictures are written while the light is solved. `layer_bytes_per_texel`: of layers.h, for what is written beside the lightmap. Pure. Throws Error{budget_too_small} stating the
-/// smallest budget when the given one is below the floor.
-MemoryPlan plan_memory(std::uint64_t budget_bytes, std::uint64_t fixed_bytes, std::uint64_t patch_count,
-                       std::uint32_t chunk_patches, std::uint32_t page_size, unsigned threads,
-                       bool image_library_loaded, SolverKind solver, bool previews = false, std::uint64_t layer_bytes_per_texel = 0);
+/// What a bake will hold.
+struct MemoryDemand {
+    std::uint64_t fixed_bytes = 0;      ///< resident now beside the geometry: program, libraries
+    bool image_library_loaded = false;  ///< is the image library among them?
+    std::uint64_t patch_count = 0;
+    std::uint32_t chunk_patches = 16, page_size = 64, page_count = 1;
+    unsigned threads = 1;
+    SolverKind solver = SolverKind::shoot;  ///< solvers hold more or less per patch
+    bool gathers = false;                   ///< light is gathered at texels
+    bool previews = false;                  ///< pictures are written while the light is solved
+    std::uint64_t seam_bytes = 0;           ///< of joining seams (output/seam_join.h), before the pictures are written
+    std::uint64_t layer_bytes_per_texel = 0;  ///< of what is written beside the lightmap (output/layers.h)
+};
+
+/// Pure. Throws Error{budget_too_small} stating the smallest budget when the given one is below the floor.
+MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand);
 
 }  // namespace luxel

@@ -23,7 +23,7 @@ void Preview::write(const SolveView& solve) {
     BakedLight light;
     light.patch_irradiance = add_lamps(solve.irradiance(true), sources_.lamp_irradiance);
     light.state = "preview";
-    write_lightmaps(options_, geometry_, light, {});
+    write_lightmaps(options_, geometry_, light, {}, {});
     flush_denormals();  // whatever the libraries did to this thread: the solve goes on as it was
 }
 

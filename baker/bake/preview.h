@@ -1,5 +1,5 @@
 /// The light of a solve that has not ended, as lightmaps in the place of the output: patches with their ambient light
-/// (SolveView::irradiance) and that of the lamps, interpolated. What the bake writes at its end takes their place.
+/// (SolveView::irradiance) and that of the lamps, interpolated, with their seams. What the bake writes at its end takes their place.
 ///
 /// Never more than a third of the time: after one that took t seconds the next comes 2 t later at the earliest. Memory: the
 /// image library and a page beside the solve, which plan_memory() counts.

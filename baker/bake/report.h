@@ -30,6 +30,17 @@ struct OutputReport {
     double intensity = 1;
 };
 
+/// What joining the seams of the lightmaps did (output/seam_join.h, output/seam_samples.h).
+struct SeamReport {
+    bool joined = false;
+    std::uint64_t seams = 0;                             ///< stretches where borders of charts meet
+    std::uint64_t points = 0;                            ///< compared along them
+    std::uint64_t blocked = 0, hidden = 0, crowded = 0;  ///< points left out
+    std::uint64_t texels = 0;                            ///< changed
+    double length_m = 0;                                 ///< of what is joined
+    double jump_before = 0, jump_after = 0;              ///< mean of |a - b| over the mean light there
+};
+
 struct BakeReport {
     std::vector<std::pair<std::string, std::string>> settings;  ///< name, value as text
 
@@ -54,6 +65,8 @@ struct BakeReport {
     std::vector<std::pair<std::uint64_t, double>> history;  ///< bytes read, error bound
 
     std::array<double, 3> emitted_lm{}, absorbed_lm{}, lost_lm{};
+
+    SeamReport seams;
 
     std::optional<StopReport> stopped;  ///< none: everything that was wanted is there
     std::uint64_t previews = 0;         ///< written

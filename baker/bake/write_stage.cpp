@@ -1,6 +1,6 @@
 #include "baker/bake/write_stage.h"
 
-#include "baker/output/dilate.h"
+#include "baker/bake/seam_stage.h"
 #include "baker/output/page_layers.h"
 #include "baker/output/sidecar.h"
 #include "formats/base/file.h"
@@ -24,27 +24,6 @@ class OutputSet {
     std::vector<std::filesystem::path> files_;
     bool complete_ = false;
 };
-
-struct PageImage {
-    std::vector<Rgb> values;
-    std::vector<std::uint8_t> mask;
-};
-
-PageImage page_image(const BakedGeometry& g, std::uint32_t page, const std::vector<Rgb>& irradiance) {
-    const std::uint32_t size = g.atlas.page_size;
-    PageImage image{std::vector<Rgb>(std::size_t{size} * size, Rgb(0, 0, 0)),
-                    std::vector<std::uint8_t>(std::size_t{size} * size, texel_empty)};
-    const PageTexels& content = g.texels.pages[page];
-    const std::vector<Texel>& texels = content.texels;
-    for (std::size_t k = 0; k < texels.size(); ++k) {
-        const std::size_t at = std::size_t{texels[k].y} * size + texels[k].x;
-        image.values[at] = irradiance[k];
-        image.mask[at] = content.can_send(texels[k]) ? texel_covered : texel_hidden;
-    }
-    fill_hidden(image.values, image.mask, size, size);
-    dilate(image.values, image.mask, size, size, std::max(1u, g.atlas.padding));
-    return image;
-}
 
 /// Lightmap coordinates of every primitive of every instance, in the shape that the writer wants.
 std::vector<InstanceLayout> primitive_layouts(const BakedGeometry& g) {
@@ -96,8 +75,8 @@ void warn_of_gpu_instances(const BakedGeometry& g, std::vector<Warning>& warning
 
 class Writer {
   public:
-    Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light)
-        : options_(options), g_(geometry), light_(light) {}
+    Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, const JoinedSeams& seams)
+        : options_(options), g_(geometry), light_(light), seams_(seams) {}
 
     WrittenOutputs run(const ProgressFunction& progress) {
         sidecar_.generator = lightmaps_.version = options_.software;
@@ -126,8 +105,9 @@ class Writer {
   private:
     /// Returns which texels have a value.
     std::vector<std::uint8_t> write_page(std::uint32_t page) {
-        PageImage image = page_image(g_, page, page_light(options_, g_, light_, page));
         const std::uint32_t size = g_.atlas.page_size;
+        PageImage image = page_image(options_, g_, light_, page);
+        seams_.put_into(page, size, image);
         const EncodedPage encoded = encode_lightmap(image.values, image.mask, options_.encoding);
         const std::string name = "lightmap" + std::to_string(page);
         auto exr = options_.output;
@@ -171,6 +151,7 @@ class Writer {
     const BakeOptions& options_;
     const BakedGeometry& g_;
     const BakedLight& light_;
+    const JoinedSeams& seams_;
     WrittenOutputs report_;
     GltfLightmaps lightmaps_;
     Sidecar sidecar_;
@@ -180,14 +161,16 @@ class Writer {
 }  // namespace
 
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
-                               const ProgressFunction& progress) {
-    return Writer(options, geometry, light).run(progress);
+                               const JoinedSeams& seams, const ProgressFunction& progress) {
+    return Writer(options, geometry, light, seams).run(progress);
 }
 
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
                    BakeReport& report) {
     clock.stage("write", [&] {
-        WrittenOutputs written = write_lightmaps(options, geometry, light, clock.progress("files"));
+        const JoinedSeams seams = options.seams == SeamMode::join ? JoinedSeams(options, geometry, light) : JoinedSeams();
+        report.seams = seams.report();
+        WrittenOutputs written = write_lightmaps(options, geometry, light, seams, clock.progress("files"));
         report.outputs = std::move(written.outputs);
         report.warnings.insert(report.warnings.end(), written.warnings.begin(), written.warnings.end());
         return false;

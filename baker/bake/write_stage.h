@@ -1,7 +1,8 @@
-/// The end of the way: texels -> pictures -> glTF and its sidecar.
+/// The end of the way: texels -> pictures, joined along their seams -> glTF and its sidecar.
 #pragma once
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/light_stages.h"
+#include "baker/bake/seam_stage.h"
 
 namespace luxel {
 
@@ -14,9 +15,9 @@ struct WrittenOutputs {
 /// `<stem>.aov<page>.exr` too, but not for previews. Layers of light that is not known are left out, with a warning. On an error the files
 /// that this call has written are removed again.
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
-                               const ProgressFunction& progress);
+                               const JoinedSeams& seams, const ProgressFunction& progress);
 
-/// The same as stage "write".
+/// The same as stage "write", after joining the seams if that is wanted.
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
                    BakeReport& report);
 

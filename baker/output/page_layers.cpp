@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "baker/core/parallel.h"
-#include "baker/output/dilate.h"
+#include "baker/output/fill_hidden.h"
 #include "baker/patches/texel_surface.h"
 
 namespace luxel {
@@ -77,9 +77,12 @@ class PageLayers {
     [[nodiscard]] std::vector<float> filled(const Of& of) const {
         std::vector<Rgb> values = each<Rgb>(Rgb(0, 0, 0), of);
         std::vector<std::uint8_t> mask(square_, texel_empty);
-        for (std::size_t k = 0; k < content_.texels.size(); ++k)
+        std::vector<std::uint32_t> charts(square_, none);
+        for (std::size_t k = 0; k < content_.texels.size(); ++k) {
             mask[place(k)] = can_send(k) ? texel_covered : texel_hidden;
-        fill_hidden(values, mask, size_, size_);
+            charts[place(k)] = content_.texels[k].chart;
+        }
+        fill_hidden(values, mask, charts, size_, size_);
         dilate(values, mask, size_, size_, std::max(1u, in_.atlas.padding));
         for (std::size_t at = 0; at < square_; ++at)
             if (mask[at] == texel_empty) values[at] = Rgb(0, 0, 0);

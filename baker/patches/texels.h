@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "baker/core/vec.h"
@@ -40,6 +41,19 @@ struct PageTexels {
     std::vector<Texel> texels;
     std::vector<Fragment> fragments;
 
+    /// Number of the texel at (x, y) if it is of `chart`, else `none`.
+    [[nodiscard]] std::uint32_t find(std::uint32_t x, std::uint32_t y, std::uint32_t chart) const {
+        const std::uint32_t number = find(x, y);
+        return number != none && texels[number].chart == chart ? number : none;
+    }
+    /// The same of any chart.
+    [[nodiscard]] std::uint32_t find(std::uint32_t x, std::uint32_t y) const {
+        const auto at = std::lower_bound(texels.begin(), texels.end(), std::pair(y, x), [](const Texel& texel, const auto& place) {
+            return std::pair<std::uint32_t, std::uint32_t>(texel.y, texel.x) < place;
+        });
+        if (at == texels.end() || at->x != x || at->y != y) return none;
+        return static_cast<std::uint32_t>(at - texels.begin());
+    }
     /// Can rays start on the texel? If not, it holds no light of its own and is filled from its neighbours.
     [[nodiscard]] bool can_send(const Texel& texel) const {
         const auto first = fragments.begin() + texel.first_fragment;

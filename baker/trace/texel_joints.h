@@ -6,11 +6,36 @@
 /// as joined. What is inside solids is parted from what is not. Seen from the front only. Threads: uses them all. A
 /// pure function of geometry; errors: none.
 #pragma once
+#include <optional>
+
 #include "baker/patches/texels.h"
 #include "baker/trace/tracer.h"
 #include "baker/unwrap/atlas.h"
 
 namespace luxel {
+
+/// The question asked of two texels, wherever they lie. Threads: const and reentrant.
+class JointProbe {
+  public:
+    /// A point above the visible part of a texel.
+    struct Post {
+        Vec3f above, normal;
+        std::uint32_t triangle;
+    };
+
+    JointProbe(const Scene& scene, const Atlas& atlas, const Tracer& tracer)
+        : scene_(scene), atlas_(atlas), tracer_(tracer) {}
+
+    /// On the fragment with the largest visible part; none where no ray can start.
+    [[nodiscard]] std::optional<Post> post(const PageTexels& page, const Texel& texel) const;
+    /// Also true if neither is there.
+    [[nodiscard]] bool joined(const std::optional<Post>& a, const std::optional<Post>& b) const;
+
+  private:
+    const Scene& scene_;
+    const Atlas& atlas_;
+    const Tracer& tracer_;
+};
 
 /// Sets Texel::joined_right and joined_down; `texels` as find_visible_area() left them.
 void find_texel_joints(const Scene& scene, const Atlas& atlas, const Tracer& tracer, TexelSet& texels);

@@ -6,6 +6,7 @@
 
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/stage_clock.h"
+#include "baker/bake/seam_stage.h"
 #include "baker/bake/write_stage.h"
 #include "formats/base/file.h"
 #include "tests/bake/whole_bake.h"
@@ -109,7 +110,7 @@ TEST(Layers, OfLightInParts) {
         }
         return texels;
     };
-    const WrittenOutputs written = write_lightmaps(options, *geometry, light, {});
+    const WrittenOutputs written = write_lightmaps(options, *geometry, light, JoinedSeams(), {});
     EXPECT_TRUE(written.warnings.empty());
     for (std::uint32_t page = 0; page < geometry->atlas.page_count; ++page) {
         const std::string number = std::to_string(page);
@@ -135,7 +136,7 @@ TEST(Layers, OfLightInParts) {
 
     // Where a page was not gathered in time, its layers of light are left out, and that is said.
     light.texel_light = [](std::uint32_t) { return std::vector<TexelLight>(); };
-    const WrittenOutputs stopped = write_lightmaps(options, *geometry, light, {});
+    const WrittenOutputs stopped = write_lightmaps(options, *geometry, light, JoinedSeams(), {});
     ASSERT_EQ(stopped.warnings.size(), geometry->atlas.page_count);
     EXPECT_EQ(stopped.warnings[0].code, "layers-left-out");
     EXPECT_NE(stopped.warnings[0].text.find("direct,indirect,error,samples"), std::string::npos);
@@ -144,7 +145,7 @@ TEST(Layers, OfLightInParts) {
     // Previews are quick: they have none.
     std::filesystem::remove(folder / "out.aov0.exr");
     light.state = "preview";
-    write_lightmaps(options, *geometry, light, {});
+    write_lightmaps(options, *geometry, light, JoinedSeams(), {});
     EXPECT_FALSE(std::filesystem::exists(folder / "out.aov0.exr"));
 }
 

@@ -96,8 +96,8 @@ class Help(Case):
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
-              "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--aov": "albedo,valid", "--memory": "1G",
-              "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--seams": "keep", "--aov": "albedo,valid", "--memory": "1G",
+              "--share": "3", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
@@ -142,6 +142,7 @@ class Help(Case):
             report = json.load(file)
         self.assertEqual(report["schema"], 1)
         for part, members in {
+                "seams": "joined stretches length_m points left_out texels jump_before jump_after",
                 "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
                 "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history path path_why checkpoint_resumed",
                 "previews": "written seconds", "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():

@@ -33,7 +33,7 @@ constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
-                                encoding = "srgb8", importance = "on", estimator = "ray",
+                                encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off";
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
@@ -129,6 +129,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.solver = *solver_kind(a.solver);
     o.error = a.error;
     o.interpolation = *interpolation_of(a.interpolation);
+    o.seams = a.seams == "keep" ? SeamMode::keep : SeamMode::join;
     o.encoding = parse_encoding(a.encoding);
     if (given("--aov")) o.layers = parse_layers(a.aov, "--aov");
     o.seed = a.seed;
@@ -170,6 +171,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
+            {"seams", a.seams},
             {"encoding", a.encoding},
             {"aov", layer_names(o.layers)},
             {"seed", std::to_string(o.seed)},
@@ -285,6 +287,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 64u))->capture_default_str()->group("Lightmap");
     command.add_option("--uv", a.uv, "new charts, or keep the file's second UV set where it is fit")
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
+        ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
     command.add_option("--aov", a.aov, "layers to write beside the lightmap, separated by commas: " + known_layer_names())

@@ -47,6 +47,14 @@ std::string report_json(const BakeReport& r) {
                     {"path_why", r.solve_path_why},
                     {"checkpoint_resumed", r.checkpoint_resumed},
                     {"history", history}};
+    out["seams"] = {{"joined", r.seams.joined},
+                    {"stretches", r.seams.seams},
+                    {"length_m", r.seams.length_m},
+                    {"points", r.seams.points},
+                    {"left_out", {{"blocked", r.seams.blocked}, {"hidden", r.seams.hidden}, {"crowded", r.seams.crowded}}},
+                    {"texels", r.seams.texels},
+                    {"jump_before", r.seams.jump_before},
+                    {"jump_after", r.seams.jump_after}};
     out["stopped"] = r.stopped ? json(r.stopped->where) : json();
     out["previews"] = {{"written", r.previews}, {"seconds", r.preview_seconds}};
     out["energy"] = {{"unit", "lm"}, {"emitted", r.emitted_lm}, {"absorbed", r.absorbed_lm}, {"lost", r.lost_lm}};

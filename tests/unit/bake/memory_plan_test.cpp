@@ -13,18 +13,15 @@ namespace {
 
 constexpr std::uint64_t mebibyte = 1 << 20;
 
-struct Size {
-    std::uint64_t fixed_bytes, patch_count;
-    std::uint32_t chunk_patches, page_size;
-    unsigned threads;
-};
-const Size sizes[]{{20 * mebibyte, 0, 16, 64, 1},
-                   {60 * mebibyte, 50'000, 2048, 1024, 2},
-                   {300 * mebibyte, 10'000'000, 4096, 4096, 16}};
+using Size = MemoryDemand;
+const Size sizes[]{
+    {.fixed_bytes = 20 * mebibyte},
+    {.fixed_bytes = 60 * mebibyte, .patch_count = 50'000, .chunk_patches = 2048, .page_size = 1024, .threads = 2},
+    {.fixed_bytes = 300 * mebibyte, .patch_count = 10'000'000, .chunk_patches = 4096, .page_size = 4096, .page_count = 10, .threads = 16}};
 
-MemoryPlan plan(std::uint64_t budget, const Size& s, bool loaded = true, bool previews = false, SolverKind solver = SolverKind::shoot) {
-    return plan_memory(budget, s.fixed_bytes, s.patch_count, s.chunk_patches, s.page_size, s.threads, loaded, solver,
-                       previews);
+MemoryPlan plan(std::uint64_t budget, Size size, bool loaded = true, bool previews = false, SolverKind solver = SolverKind::shoot) {
+    size.image_library_loaded = loaded, size.previews = previews, size.solver = solver;
+    return plan_memory(budget, size);
 }
 
 /// The smallest budget that the message names, in bytes.
@@ -56,10 +53,9 @@ TEST(MemoryPlan, TheStatedFloorWorksAndLessDoesNot) {
 TEST(MemoryPlan, LayersTakeThePlaceOfTheLightmap) {
     const std::uint64_t budget = std::uint64_t{1} << 40;
     // Where pages are large beside the solve, they decide.
-    const Size large_pages{20 * mebibyte, 100, 16, 8192, 1};
     const auto floor = [&](std::uint64_t layer_bytes_per_texel) {
-        return plan_memory(budget, large_pages.fixed_bytes, large_pages.patch_count, large_pages.chunk_patches, large_pages.page_size,
-                           large_pages.threads, true, SolverKind::shoot, false, layer_bytes_per_texel)
+        return plan_memory(budget, {.fixed_bytes = 20 * mebibyte, .image_library_loaded = true, .patch_count = 100, .page_size = 8192,
+                                    .layer_bytes_per_texel = layer_bytes_per_texel})
             .floor_bytes;
     };
     const std::uint64_t texels = std::uint64_t{8192} * 8192;
@@ -102,6 +98,28 @@ TEST(MemoryPlan, PreviewsComeBesideTheSolve) {
         EXPECT_GE(plan(budget, size, false, true).floor_bytes, plan(budget, size, false).floor_bytes + size.patch_count * 36 + page);
         EXPECT_LE(plan(budget, size, false, true).cache_bytes + library / 2, plan(budget, size, false).cache_bytes);
     }
+}
+
+TEST(MemoryPlan, JoiningSeamsIsCountedWhileWriting) {
+    const auto floor = [](std::uint64_t seam_bytes) {
+        Size size = sizes[1];
+        size.seam_bytes = seam_bytes;
+        return plan(std::uint64_t{1} << 40, size).floor_bytes;
+    };
+    constexpr std::uint64_t much = std::uint64_t{1} << 34;
+    EXPECT_GE(floor(0) + much, floor(much));
+    EXPECT_EQ(floor(2 * much), floor(much) + much);
+}
+
+TEST(MemoryPlan, GatheringHoldsAPageAndTheDetailOfAll) {
+    Size size = sizes[2];
+    const std::uint64_t without = plan(std::uint64_t{1} << 40, size).floor_bytes;
+    size.gathers = true;
+    const std::uint64_t ten = plan(std::uint64_t{1} << 40, size).floor_bytes;
+    size.page_count = 1010;
+    const std::uint64_t thousand = plan(std::uint64_t{1} << 40, size).floor_bytes;
+    EXPECT_GE(ten, without);
+    EXPECT_GE(thousand - ten, std::uint64_t{900} * 4 * size.page_size * size.page_size);
 }
 
 TEST(MemoryPlan, TheFloorGrowsWithTheScene) {

@@ -105,20 +105,5 @@ TEST(Dilate, EqualsTheDefinition) {
     }
 }
 
-TEST(FillHidden, FromWhatTheyTouchAndNothingElse) {
-    Page page(8, 3);
-    page.cover(0, 1, 2.0f);
-    for (std::uint32_t x = 1; x < 5; ++x) page.mask[8 + x] = texel_hidden;
-    page.mask[8 + 7] = texel_hidden;  // alone
-    fill_hidden(page.values, page.mask, page.width, page.height);
-    for (std::uint32_t x = 1; x < 5; ++x) {
-        EXPECT_EQ(page.state(x, 1), texel_filled);
-        EXPECT_FLOAT_EQ(page.at(x, 1), 2.0f);
-    }
-    EXPECT_EQ(page.state(7, 1), texel_empty);
-    EXPECT_EQ(page.state(0, 0), texel_empty);
-    EXPECT_FLOAT_EQ(page.at(5, 1), -1.0f);
-}
-
 }  // namespace
 }  // namespace luxel

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "baker/output/dilate.h"
+#include "baker/output/fill_hidden.h"
 #include "baker/patches/texel_surface.h"
 #include "tests/support/exr_parts.h"
 #include "tests/support/scenes.h"
@@ -31,6 +31,7 @@ std::unique_ptr<Prepared> made_scene() {
 struct MadePage {
     std::unique_ptr<Prepared> made = made_scene();
     std::vector<std::uint8_t> mask;
+    std::vector<std::uint32_t> charts;
     std::vector<TexelLight> light;
 
     MadePage() {
@@ -38,7 +39,9 @@ struct MadePage {
         const PageTexels& content = made->texels.pages.at(0);
         std::vector<Rgb> values(std::size_t{atlas.page_size} * atlas.page_size);
         mask.assign(values.size(), texel_empty);
+        charts.assign(values.size(), none);
         for (const Texel& texel : content.texels) {
+            charts[place(texel)] = texel.chart;
             mask[place(texel)] = content.can_send(texel) ? texel_covered : texel_hidden;
             TexelLight& of_texel = light.emplace_back();
             of_texel.direct = {static_cast<float>(light.size()), 2, 3};
@@ -46,7 +49,7 @@ struct MadePage {
             of_texel.error = 0.25f;
             of_texel.rays = static_cast<std::uint32_t>(light.size());
         }
-        fill_hidden(values, mask, atlas.page_size, atlas.page_size);
+        fill_hidden(values, mask, charts, atlas.page_size, atlas.page_size);
         dilate(values, mask, atlas.page_size, atlas.page_size, std::max(1u, atlas.padding));
     }
     [[nodiscard]] std::size_t place(const Texel& texel) const {
@@ -144,7 +147,7 @@ TEST(PageLayers, LightIsFilledLikeTheLightmap) {
         mask[at] = content.can_send(content.texels[k]) ? texel_covered : texel_hidden;
         if (mask[at] == texel_covered) rays[at] = page.light[k].rays;
     }
-    fill_hidden(sum, mask, size, size);
+    fill_hidden(sum, mask, page.charts, size, size);
     dilate(sum, mask, size, size, std::max(1u, page.made->atlas.padding));
     ASSERT_EQ(mask, page.mask);
     for (std::size_t at = 0; at < mask.size(); ++at) {
