@@ -18,9 +18,6 @@ Rgb to_rgb(const Channels& c) {
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
 }
 
-/// Side of the neighbourhoods that share a guide, in patches: their rows together say more than they differ.
-constexpr std::uint32_t guide_patches = 3;
-
 /// Fills the pages of one light in the bake folder, as many as there is time for.
 class PageLighter {
   public:
@@ -78,7 +75,7 @@ class PageLighter {
             const bool is_dark = std::none_of(reflected.begin(), reflected.end(), [](float b) { return b > 0; });
             if (is_dark) return;
             ClosedMatrix strips(*of.matrix_.strips, of.matrix_.area_m2, of.matrix_.closure);
-            guides = LightGuides(strips, of.g_.atlas, of.g_.patches, reflected, emitted, guide_patches * of.options_.patch_texels);
+            guides = LightGuides(strips, of.g_.patches, reflected, emitted);
         }
     };
 

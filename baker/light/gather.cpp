@@ -44,10 +44,14 @@ class TexelGather {
                                      {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
         const std::uint64_t own_seed = seed(texel);
         const Plan shares = plan(texel, sampler);
+        std::array<HalfLight, 2> found;
+        for (std::size_t half = 0; half < 2; ++half) found[half] = indirect(sampler, shares, mix(own_seed, half));
         for (std::size_t half = 0; half < 2; ++half) {
-            const HalfLight found = indirect(sampler, shares, mix(own_seed, half));
-            result.emitted.halves[half][index] = found.emitted;
-            result.reflected.halves[half][index] = found.reflected;
+            const HalfLight &own = found[half], &other = found[1 - half];
+            // Rays that are aimed besides share the weight of what emits with the cosine rays.
+            const bool is_shared = shares.aimed_rays || shares.sky_rays;
+            result.emitted.halves[half][index] = is_shared ? own.emitted : controlled(own, other, &HalfLight::emitted);
+            result.reflected.halves[half][index] = controlled(own, other, &HalfLight::reflected);
         }
         result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
     }
@@ -63,7 +67,14 @@ class TexelGather {
     };
     struct HalfLight {
         Rgb emitted, reflected;
+        float weights = 0;  ///< of the cosine rays, all of them; 1 on average
     };
+
+    /// Control variate: light that is the same from everywhere is known without noise, since the weights should sum to 1. How much
+    /// that is, the other half says, which knows nothing of this one's noise.
+    static Rgb controlled(const HalfLight& half, const HalfLight& other, Rgb HalfLight::*light) {
+        return other.weights > 0 ? half.*light + other.*light * ((1 - half.weights) / other.weights) : half.*light;
+    }
 
     /// Depends on the chart's object, its own grid and the options only: packing does not change the noise.
     [[nodiscard]] std::uint64_t seed(const Texel& texel) const {
@@ -82,7 +93,7 @@ class TexelGather {
         const PatchNumber patch = in_.patches.page_patch[number_][std::size_t{texel.y} * in_.patches.page_size + texel.x];
         if (patch != no_patch && !in_.guides.empty()) {
             plan.warp = GuideWarp(in_.guides.of(patch));
-            plan.frame = in_.guides.frame(patch);
+            plan.frame = Frame(in_.patches.patches[patch].normal);
         }
         if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
         const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.probability);
@@ -100,9 +111,10 @@ class TexelGather {
         NearLight near(in_, options_.near_m, shares.middle, shares.aimed_rays > 0, own_seed);
         std::vector<NearVertex> vertices;
         LightSum emitted, reflected;
+        double weights = 0;
         TexelRays batch;
         for (std::uint32_t begin = 0; begin < shares.cosine_rays; begin += batch_rays) {
-            cast_cosine(sampler, sequence, shares, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
+            weights += cast_cosine(sampler, sequence, shares, begin, std::min<std::uint32_t>(shares.cosine_rays, begin + batch_rays), batch);
             for (std::size_t k = 0; k < batch.count; ++k) add_cosine(batch, k, shares, near, vertices, emitted, reflected);
             if (!vertices.empty()) near.add(vertices, reflected);
         }
@@ -112,7 +124,7 @@ class TexelGather {
             for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, emitted);
         }
         if (shares.sky_rays) add_aimed_sky(in_, sampler, shares.warp, shares.frame, shares.cosine_rays, shares.sky_rays, own_seed, emitted);
-        return {emitted.rgb(), reflected.rgb()};
+        return {emitted.rgb(), reflected.rgb(), static_cast<float>(weights / shares.cosine_rays)};
     }
 
     void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, float density,
@@ -128,20 +140,24 @@ class TexelGather {
         in_.tracer.first_hits({batch.rays.data(), batch.count}, {batch.hits.data(), batch.count});
     }
 
-    void cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, const Plan& shares, std::uint32_t begin,
+    /// Returns the sum of 1 / density over all of them, also those that end at once below the surface.
+    double cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, const Plan& shares, std::uint32_t begin,
                      std::uint32_t end, TexelRays& batch) const {
         std::array<std::array<float, batch_rays>, 4> u;
         sequence.points(begin, u);
+        double weights = 0;
         batch.count = 0;
         for (std::uint32_t k = 0; k < end - begin; ++k) {
             const SurfacePoint at = sampler.point(u[0][k], u[1][k]);
             const GuideWarp::Point bent = shares.warp.bend(u[2][k], u[3][k]);
+            weights += 1 / static_cast<double>(bent.density);
             const Vec3f local = cosine_direction(bent.u, bent.v);
             const Vec3f direction = guide_frame(shares.frame, sampler.shading_normal(at)).to_world(local);
             // Below the true surface there is only the inside of the object.
             if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z, bent.density, begin + k);
         }
         trace(batch);
+        return weights;
     }
 
     void cast_aimed(const SurfaceSampler& sampler, const SobolSequence& sequence, const SobolSequence& aims,

@@ -5,7 +5,6 @@
 
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
-#include "baker/patches/neighbourhoods.h"
 
 namespace luxel {
 namespace {
@@ -19,50 +18,29 @@ std::uint32_t cell_of(const Vec2f& square) {
     return step(square.y) * side + step(square.x);
 }
 
-/// Numbers guides, chunk after chunk: one per neighbourhood and chunk.
-struct GuideNumbers {
-    std::vector<std::uint32_t> of_patch, first_of_chunk{0};
-    std::vector<PatchNumber> first_patch;  ///< of each guide
-};
-
-GuideNumbers number_guides(const ChunkLayout& layout, const Atlas& atlas, const PatchSet& patches, std::uint32_t texels) {
-    const std::vector<std::uint32_t> neighbourhood = neighbourhoods(atlas, patches, texels);
-    GuideNumbers numbers;
-    numbers.of_patch.resize(patches.count());
-    std::vector<std::uint32_t> latest(neighbourhood.size(), none);  // guide by neighbourhood
-    for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) {
-        for (PatchNumber p = layout.first_patch[chunk]; p < layout.first_patch[chunk + 1]; ++p) {
-            std::uint32_t& guide = latest[neighbourhood[p]];
-            if (guide == none || guide < numbers.first_of_chunk[chunk]) {
-                guide = static_cast<std::uint32_t>(numbers.first_patch.size());
-                numbers.first_patch.push_back(p);
-            }
-            numbers.of_patch[p] = guide;
-        }
-        numbers.first_of_chunk.push_back(static_cast<std::uint32_t>(numbers.first_patch.size()));
-    }
-    return numbers;
-}
-
 /// What the patches of one chunk receive, by direction.
 class ChunkGuides {
   public:
-    ChunkGuides(const PatchSet& patches, const GuideNumbers& numbers, ChunkNumber chunk)
-        : patches_(patches), numbers_(numbers), first_(numbers.first_of_chunk[chunk]),
-          received_(std::size_t{numbers.first_of_chunk[chunk + 1] - first_} * cells, 0),
-          sums_(numbers.first_of_chunk[chunk + 1] - first_) {}
+    /// `brightest`: the largest of what any patch reflects.
+    ChunkGuides(const PatchSet& patches, PatchNumber first, std::uint32_t count, float brightest)
+        : patches_(patches), first_(first), received_(std::size_t{count} * cells, 0), sums_(count) {
+        // Whole numbers of a unit far below what counts: their sums do not depend on the order of blocks.
+        for (std::uint32_t k = 0; k < count; ++k)
+            per_unit_.push_back(brightest > 0 ? 0x1p40 / (static_cast<double>(patches.patches[first + k].area_m2) * static_cast<double>(brightest)) : 0);
+    }
 
-    /// Patch `to` of the chunk receives so much from patch `from`. Both have an extent: what is reflected is laid on four
-    /// directions between different parts of them.
-    void add(PatchNumber to, PatchNumber from, float amount, float emitted) {
+    /// Patch `to` of the chunk exchanges `area_m2` with patch `from`, which reflects and emits so much. Both have an extent: what
+    /// is reflected is laid on four directions between different parts of them.
+    void add(PatchNumber to, PatchNumber from, float area_m2, float reflected, float emitted) {
         const Patch &here = patches_.patches[to], &there = patches_.patches[from];
         if (here.is_back) return;
-        const std::uint32_t guide = numbers_.of_patch[to];
-        sums_[guide - first_].reflected += static_cast<double>(amount);
-        sums_[guide - first_].emitted += static_cast<double>(emitted);
-        if (!(amount > 0)) return;
-        const Frame own = guide_frame(Frame(patches_.patches[numbers_.first_patch[guide]].normal), here.normal);
-        const Frame other(there.normal);
+        const std::uint32_t local_number = to - first_;
+        const auto area = static_cast<double>(area_m2);
+        sums_[local_number].reflected += area * static_cast<double>(reflected);
+        sums_[local_number].emitted += area * static_cast<double>(emitted);
+        const auto amount = static_cast<std::int64_t>(area * static_cast<double>(reflected) * per_unit_[local_number]);
+        if (amount <= 0) return;
+        const Frame own(here.normal), other(there.normal);
         const float own_step = 0.29f * std::sqrt(here.area_m2), other_step = 0.29f * std::sqrt(there.area_m2);
         constexpr std::array<std::array<float, 4>, 4> corners{{{1, 1, 1, -1}, {-1, -1, -1, 1}, {1, -1, -1, -1}, {-1, 1, 1, 1}}};
         for (const auto& corner : corners) {
@@ -71,38 +49,35 @@ class ChunkGuides {
             const Vec3f way = end - start;
             const float length = way.length();
             if (!(length > 0)) continue;
-            const Vec3f local(way.dot(own.tangent) / length, way.dot(own.bitangent) / length, way.dot(own.normal) / length);
-            if (local.z > 0) received_[std::size_t{guide - first_} * cells + cell_of(cosine_square(local))] += amount;
+            const Vec3f local = own.to_local(way) / length;
+            if (local.z > 0) received_[std::size_t{local_number} * cells + cell_of(cosine_square(local))] += amount;
         }
     }
 
-    void write_emitted_share(float* shares) const {
+    /// Weights of every patch, the largest cell 255; all 0 where nothing arrives.
+    void write(std::uint8_t* weights, float* emitted_shares) const {
         for (std::size_t k = 0; k < sums_.size(); ++k) {
             const double all = sums_[k].reflected + sums_[k].emitted;
-            shares[k] = all > 0 ? static_cast<float>(sums_[k].emitted / all) : 0.0f;
-        }
-    }
-
-    /// Weights of every guide, the largest cell 255; all 0 where nothing arrives.
-    void write(std::uint8_t* weights) const {
-        for (std::size_t begin = 0; begin < received_.size(); begin += cells) {
-            const std::array<float, cells> smooth = blurred(received_.data() + begin);
-            const float largest = *std::max_element(smooth.begin(), smooth.end());
+            emitted_shares[k] = all > 0 ? static_cast<float>(sums_[k].emitted / all) : 0.0f;
+            const std::array<double, cells> smooth = blurred(received_.data() + k * cells);
+            const double largest = *std::max_element(smooth.begin(), smooth.end());
             if (!(largest > 0)) continue;
-            for (std::uint32_t c = 0; c < cells; ++c) weights[begin + c] = static_cast<std::uint8_t>(smooth[c] / largest * 255 + 0.5f);
+            for (std::uint32_t c = 0; c < cells; ++c)
+                weights[k * cells + c] = static_cast<std::uint8_t>(smooth[c] / largest * 255 + 0.5);
         }
     }
 
   private:
-    /// Over neighbouring cells, 1 : 2 : 1 along both sides: the guide serves points around those that it was made for.
-    static std::array<float, cells> blurred(const float* from) {
-        std::array<float, cells> across, both;
+    /// Over neighbouring cells, 1 : 2 : 1 along both sides: a row of few rays is noisy, and the guide serves points around the
+    /// one that it was made for.
+    static std::array<double, cells> blurred(const std::int64_t* from) {
+        std::array<double, cells> across, both;
         const auto at = [](std::uint32_t x, int step) {
             return static_cast<std::uint32_t>(std::clamp(static_cast<int>(x) + step, 0, static_cast<int>(side) - 1));
         };
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x)
-                across[y * side + x] = from[y * side + at(x, -1)] + 2 * from[y * side + x] + from[y * side + at(x, 1)];
+                across[y * side + x] = static_cast<double>(from[y * side + at(x, -1)] + 2 * from[y * side + x] + from[y * side + at(x, 1)]);
         for (std::uint32_t y = 0; y < side; ++y)
             for (std::uint32_t x = 0; x < side; ++x)
                 both[y * side + x] = across[at(y, -1) * side + x] + 2 * across[y * side + x] + across[at(y, 1) * side + x];
@@ -110,32 +85,32 @@ class ChunkGuides {
     }
 
     const PatchSet& patches_;
-    const GuideNumbers& numbers_;
-    std::uint32_t first_;
-    std::vector<float> received_;
+    PatchNumber first_;
+    std::vector<double> per_unit_;  ///< per patch
+    std::vector<std::int64_t> received_;
     struct Sums {
         double reflected = 0, emitted = 0;
     };
-    std::vector<Sums> sums_;  ///< per guide
+    std::vector<Sums> sums_;
 };
 
 }  // namespace
 
-LightGuides::LightGuides(BlockSource& source, const Atlas& atlas, const PatchSet& patches, std::span<const float> reflected,
-                         std::span<const float> emitted, std::uint32_t texels) {
+LightGuides::LightGuides(BlockSource& source, const PatchSet& patches, std::span<const float> reflected,
+                         std::span<const float> emitted)
+    : weights_(patches.count() * cells, 0), emitted_share_(patches.count(), 0) {
     const ChunkLayout& layout = source.layout();
-    const GuideNumbers numbers = number_guides(layout, atlas, patches, texels);
     std::vector<std::vector<std::size_t>> blocks(layout.chunk_count());
     for (std::size_t k = 0; k < source.blocks().size(); ++k) {
         const BlockInfo& info = source.blocks()[k];
         blocks[info.a].push_back(k);
         if (info.b != info.a) blocks[info.b].push_back(k);
     }
-    weights_.resize(numbers.first_patch.size() * cells);
-    emitted_share_.resize(numbers.first_patch.size());
+    const float brightest = reflected.empty() ? 0.0f : *std::max_element(reflected.begin(), reflected.end());
     parallel_isolated(layout.chunk_count(), [&](std::size_t c) {
         const auto chunk = static_cast<ChunkNumber>(c);
-        ChunkGuides guides(patches, numbers, chunk);
+        const PatchNumber first = layout.first_patch[chunk];
+        ChunkGuides guides(patches, first, layout.size(chunk), brightest);
         Block block;
         for (const std::size_t k : blocks[c]) {
             source.load(k, block);
@@ -143,16 +118,13 @@ LightGuides::LightGuides(BlockSource& source, const Atlas& atlas, const PatchSet
                 const PatchNumber i = layout.first_patch[block.a] + row;
                 for (std::uint32_t e = block.row_begin[row]; e < block.row_begin[row + 1]; ++e) {
                     const PatchNumber j = layout.first_patch[block.b] + block.columns[e];
-                    if (block.a == chunk) guides.add(i, j, block.areas_m2[e] * reflected[j], block.areas_m2[e] * emitted[j]);
-                    if (block.b == chunk) guides.add(j, i, block.areas_m2[e] * reflected[i], block.areas_m2[e] * emitted[i]);
+                    if (block.a == chunk) guides.add(i, j, block.areas_m2[e], reflected[j], emitted[j]);
+                    if (block.b == chunk) guides.add(j, i, block.areas_m2[e], reflected[i], emitted[i]);
                 }
             }
         }
-        guides.write_emitted_share(emitted_share_.data() + numbers.first_of_chunk[chunk]);
-        guides.write(weights_.data() + std::size_t{numbers.first_of_chunk[chunk]} * cells);
+        guides.write(weights_.data() + std::size_t{first} * cells, emitted_share_.data() + first);
     });
-    guide_of_ = numbers.of_patch;
-    for (const PatchNumber first : numbers.first_patch) normals_.push_back(patches.patches[first].normal);
 }
 
 GuideWarp::GuideWarp(std::span<const std::uint8_t, cells> weights) {

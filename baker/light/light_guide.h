@@ -16,36 +16,31 @@
 
 #include "baker/formfactors/block_source.h"
 #include "baker/patches/patch.h"
-#include "baker/unwrap/atlas.h"
 
 namespace luxel {
 
-/// One table for each small neighbourhood of patches (patches/neighbourhoods.h): a row of few rays alone is noise.
+/// Tables of all patches.
 class LightGuides {
   public:
     static constexpr std::uint32_t side = 16, cells = side * side;
 
     LightGuides() = default;
     /// Reads every block twice, a chunk's row at a time. `reflected`, `emitted`: what each patch sends, >= 0, any unit; the tables are
-    /// of the former. `texels`: side of a neighbourhood. Threads: uses them all; a pure function of the matrix. Throws what the source throws.
-    LightGuides(BlockSource& source, const Atlas& atlas, const PatchSet& patches, std::span<const float> reflected,
-                std::span<const float> emitted, std::uint32_t texels);
+    /// of the former. Fronts only: a back has no texels. Threads: uses them all; a pure function of the matrix, whatever its
+    /// chunks: sums are of whole numbers. Throws what the source throws.
+    LightGuides(BlockSource& source, const PatchSet& patches, std::span<const float> reflected, std::span<const float> emitted);
 
     [[nodiscard]] bool empty() const { return weights_.empty(); }
-    /// Relative weight of each cell for a patch, 0..255, cell x fastest.
+    /// Relative weight of each cell for a patch, 0..255, cell x fastest; directions are in the frame around its normal.
     [[nodiscard]] std::span<const std::uint8_t, cells> of(PatchNumber patch) const {
-        return std::span<const std::uint8_t, cells>(weights_.data() + std::size_t{guide_of_[patch]} * cells, cells);
+        return std::span<const std::uint8_t, cells>(weights_.data() + std::size_t{patch} * cells, cells);
     }
     /// Share of a patch's light that comes straight from emitters, 0..1, as far as the matrix knows.
-    [[nodiscard]] float emitted_share(PatchNumber patch) const { return emitted_share_[guide_of_[patch]]; }
-    /// What its directions refer to.
-    [[nodiscard]] Frame frame(PatchNumber patch) const { return Frame(normals_[guide_of_[patch]]); }
+    [[nodiscard]] float emitted_share(PatchNumber patch) const { return emitted_share_[patch]; }
 
   private:
     std::vector<std::uint8_t> weights_;
-    std::vector<Vec3f> normals_;            ///< per guide
-    std::vector<float> emitted_share_;      ///< per guide
-    std::vector<std::uint32_t> guide_of_;  ///< per patch number
+    std::vector<float> emitted_share_;
 };
 
 /// The pattern of one texel's rays: bends points of the unit square towards the bright cells.

@@ -21,7 +21,7 @@ constexpr std::size_t first_quadratic = 3;
 /// Noise is pooled over the disc, but over no smaller one than this: 13 texels know it to a fifth or so.
 constexpr std::size_t smallest_noise_disc = 2;
 /// Half width of the intervals in standard errors.
-constexpr float confidence = 1.4f;
+constexpr double confidence = 1.4;
 
 struct Place {
     int dx, dy;
@@ -30,7 +30,7 @@ struct Place {
 /// What a disc says of its middle: values of both halves, and the variance of each (of a fit: for values of variance 1).
 struct Disc {
     std::array<Rgb, 2> values;
-    float variance = 1;
+    double variance = 1;  ///< in double: the light of 1e-30 has one too
 };
 
 /// Places of the window by disc: those of disc k that are not in disc k - 1.
@@ -137,7 +137,7 @@ class LocalFit {
         Disc result;
         for (int half = 0; half < 2; ++half)
             for (int c = 0; c < 3; ++c) result.values[static_cast<std::size_t>(half)][c] = static_cast<float>(values[3 * half + c]);
-        result.variance = static_cast<float>(weights.dot(moments_ * weights));
+        result.variance = weights.dot(moments_ * weights);
         return result;
     }
 
@@ -152,7 +152,7 @@ using QuadraticFit = LocalFit<6>;
 class Intervals {
   public:
     /// A disc's value and standard error. From the first that disagrees on, none is taken.
-    void add(float value, float error) {
+    void add(double value, double error) {
         low_ = std::max(low_, value - confidence * error), high_ = std::min(high_, value + confidence * error);
         if (low_ > high_) ended_ = true;
         if (!ended_) ++agreeing_;
@@ -161,7 +161,7 @@ class Intervals {
     [[nodiscard]] std::size_t largest() const { return agreeing_ - 1; }
 
   private:
-    float low_ = -std::numeric_limits<float>::max(), high_ = std::numeric_limits<float>::max();
+    double low_ = -std::numeric_limits<double>::max(), high_ = std::numeric_limits<double>::max();
     std::size_t agreeing_ = 0;
     bool ended_ = false;
 };
@@ -194,7 +194,7 @@ class Sharer {
             // A larger disc that reaches into louder surroundings knows less.
             if (k > 0 && !(discs[k].variance < discs[k - 1].variance)) break;
             for (std::size_t half = 0; half < 2; ++half)
-                intervals[half].add(luminance(discs[k].values[half]), std::sqrt(discs[k].variance));
+                intervals[half].add(static_cast<double>(luminance(discs[k].values[half])), std::sqrt(discs[k].variance));
             if (intervals[0].ended() && intervals[1].ended()) break;
         }
         choose(discs, {intervals[0].largest(), intervals[1].largest()}, index, result);
@@ -208,12 +208,12 @@ class Sharer {
         const Disc &first = discs[largest[1]], &second = discs[largest[0]];
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = std::max((first.values[0][c] + second.values[1][c]) * 0.5f, 0.0f);
-        result.standard_error[index] = 0.5f * std::sqrt(first.variance + second.variance);
+        result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
         // Against the largest disc but one, beyond what noise explains.
         const std::size_t chosen = std::min(largest[0], largest[1]);
         if (chosen == 0) return;
         const auto mean = [&](std::size_t disc) { return luminance(discs[disc].values[0] + discs[disc].values[1]) * 0.5f; };
-        const float expected = std::sqrt(0.5f * std::max(discs[chosen - 1].variance - discs[chosen].variance, 0.0f));
+        const auto expected = static_cast<float>(std::sqrt(0.5 * std::max(discs[chosen - 1].variance - discs[chosen].variance, 0.0)));
         result.bias[index] = std::max(0.0f, std::fabs(mean(chosen) - mean(chosen - 1)) - expected);
     }
 
@@ -234,7 +234,7 @@ class Sharer {
     struct NoiseSum {
         double squares = 0;
         int count = 0;
-        [[nodiscard]] float mean() const { return count ? static_cast<float>(squares / (2 * count)) : 0.0f; }
+        [[nodiscard]] double mean() const { return count ? squares / (2 * count) : 0; }
     };
     void add_noise(Window& window, std::size_t disc, NoiseSum& noise) const {
         for (const Place& place : rings()[disc]) {

@@ -39,7 +39,7 @@ TEST(SeamsBake, JoiningChangesThePagesAndNothingThatIsStored) {
     EXPECT_TRUE(seams.joined);
     EXPECT_GT(seams.points, 100u);
     EXPECT_EQ(seams.blocked + seams.hidden, 0u) << "nothing stands inside the sphere";
-    EXPECT_GT(seams.jump_before, 0.01);
+    EXPECT_GT(seams.jump_before, 0.002);
     EXPECT_LT(seams.jump_after, seams.jump_before / 5);
     EXPECT_GT(seams.texels, 0u);
 

@@ -110,14 +110,14 @@ TEST(LightGuides, PointWhereTheLightComesFrom) {
         reflected.push_back(made->path_of(p) == "left" ? 3.0f : 0.0f);
         emitted.push_back(made->path_of(p) == "right" ? 1.0f : 0.0f);
     }
-    const LightGuides guides(matrix, made->atlas, made->patches, reflected, emitted, 12);
+    const LightGuides guides(matrix, made->patches, reflected, emitted);
     ASSERT_FALSE(guides.empty());
     for (PatchNumber p = 0; p < made->patches.count(); ++p) {
         const bool is_floor = made->path_of(p) == "floor";
         EXPECT_NEAR(guides.emitted_share(p), is_floor ? 0.25f : 0.0f, 1e-5f) << made->path_of(p);
         if (!is_floor) continue;
         const GuideWarp warp(guides.of(p));
-        const Frame frame = guides.frame(p);
+        const Frame frame(made->patches.patches[p].normal);
         const Vec3f to_left = (Vec3f(-1, 1, 0) - made->patches.patches[p].center).normalized();
         const Vec3f to_right = (Vec3f(1, 1, 0) - made->patches.patches[p].center).normalized();
         EXPECT_GT(warp.density(frame.to_local(to_left)), 5);
@@ -154,8 +154,8 @@ TEST(LightGuides, KeepTheMean) {
         return std::pair(sum, std::sqrt(noise));
     };
     const auto plain = moments(LightGuides());
-    const auto guided = moments(LightGuides(matrix, made->atlas, made->patches, right, dark, 12));
-    const auto misled = moments(LightGuides(matrix, made->atlas, made->patches, wrong, dark, 12));
+    const auto guided = moments(LightGuides(matrix, made->patches, right, dark));
+    const auto misled = moments(LightGuides(matrix, made->patches, wrong, dark));
     ASSERT_GT(plain.first, 0);
     EXPECT_NEAR(guided.first, plain.first, 4 * (plain.second + guided.second));
     EXPECT_NEAR(misled.first, plain.first, 4 * (plain.second + misled.second));
