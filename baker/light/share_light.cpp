@@ -7,146 +7,72 @@
 #include <limits>
 
 #include "baker/core/parallel.h"
+#include "baker/light/texel_window.h"
 
 namespace luxel {
 namespace {
 
-constexpr int most_radius = 8;
-constexpr int width = 2 * most_radius + 1;
-/// Discs that are tried, by squared radius: 1, 5, 13, 81 and 197 texels where all are there. A plane is fitted to the small
-/// ones; to the large ones a quadratic, since light that bends over them would lose its peaks.
-constexpr std::array<int, 5> disc_squares{0, 1, 4, 25, 62};
-constexpr std::array<int, 5> disc_radii{0, 1, 2, 5, 8};
+constexpr std::size_t disc_count = TexelWindow::disc_count;
+constexpr std::size_t most_members = 197;
+/// A plane is fitted to the small discs; to the large ones a quadratic, since light that bends over them would lose its peaks.
 constexpr std::size_t first_quadratic = 3;
 /// Noise is pooled over the disc, but over no smaller one than this: 13 texels know it to a fifth or so.
 constexpr std::size_t smallest_noise_disc = 2;
 /// Half width of the intervals in standard errors.
 constexpr double confidence = 1.4;
 
-struct Place {
-    int dx, dy;
-};
+/// Both halves of the rays, three channels each.
+using Values = Eigen::Matrix<double, 1, 6>;
 
-/// What a disc says of its middle: values of both halves, and the variance of each (of a fit: for values of variance 1).
+/// What a disc says of its middle: values of both halves, and the variance of each.
 struct Disc {
-    std::array<Rgb, 2> values;
-    double variance = 1;  ///< in double: the light of 1e-30 has one too
+    Values values;
+    double variance = 0;  ///< in double: the light of 1e-30 has one too
+    [[nodiscard]] double luminance_of(int half) const {
+        return 0.2126 * values[3 * half] + 0.7152 * values[3 * half + 1] + 0.0722 * values[3 * half + 2];
+    }
 };
 
-/// Places of the window by disc: those of disc k that are not in disc k - 1.
-const std::array<std::vector<Place>, disc_radii.size()>& rings() {
-    static const std::array<std::vector<Place>, disc_radii.size()> all = [] {
-        std::array<std::vector<Place>, disc_radii.size()> made;
-        for (int dy = -most_radius; dy <= most_radius; ++dy)
-            for (int dx = -most_radius; dx <= most_radius; ++dx)
-                for (std::size_t k = 0; k < disc_squares.size(); ++k)
-                    if (dx * dx + dy * dy <= disc_squares[k]) {
-                        made[k].push_back({dx, dy});
-                        break;
-                    }
-        // Nearest first: a place is reached over places that lie nearer.
-        for (auto& ring : made)
-            std::stable_sort(ring.begin(), ring.end(),
-                             [](const Place& a, const Place& b) { return a.dx * a.dx + a.dy * a.dy < b.dx * b.dx + b.dy * b.dy; });
+/// Weights with which the values at some places give the value of a polynomial of least squares at the middle.
+template <int terms>
+void find_weights(std::span<const TexelWindow::Place> places, std::span<double> weights) {
+    const auto basis_at = [](const TexelWindow::Place& place) {
+        const double x = static_cast<double>(place.dx) / TexelWindow::most_radius, y = static_cast<double>(place.dy) / TexelWindow::most_radius;
+        Eigen::Matrix<double, terms, 1> basis;
+        basis[0] = 1, basis[1] = x, basis[2] = y;
+        if constexpr (terms == 6) basis[3] = x * x, basis[4] = x * y, basis[5] = y * y;
+        return basis;
+    };
+    Eigen::Matrix<double, terms, terms> moments = Eigen::Matrix<double, terms, terms>::Zero();
+    for (const TexelWindow::Place& place : places) {
+        const auto basis = basis_at(place);
+        moments += basis * basis.transpose();
+    }
+    // A little stiffness: a row of texels says nothing about the slope across it.
+    for (int k = 1; k < terms; ++k) moments(k, k) += 1e-4 * moments(0, 0);
+    const Eigen::Matrix<double, terms, 1> of_middle = moments.ldlt().solve(Eigen::Matrix<double, terms, 1>::Unit(0));
+    for (std::size_t k = 0; k < places.size(); ++k) weights[k] = of_middle.dot(basis_at(places[k]));
+}
+
+void find_weights(std::size_t disc, std::span<const TexelWindow::Place> places, std::span<double> weights) {
+    if (disc < first_quadratic)
+        find_weights<3>(places, weights);
+    else
+        find_weights<6>(places, weights);
+}
+
+/// Weights of each disc where no texel of it is missing, as most are.
+const std::array<std::vector<double>, disc_count>& whole_weights() {
+    static const std::array<std::vector<double>, disc_count> all = [] {
+        std::array<std::vector<double>, disc_count> made;
+        for (std::size_t disc = 0; disc < disc_count; ++disc) {
+            made[disc].resize(TexelWindow::disc_ends()[disc]);
+            find_weights(disc, TexelWindow::places().first(made[disc].size()), made[disc]);
+        }
         return made;
     }();
     return all;
 }
-
-/// Texels by place on the page.
-class TexelGrid {
-  public:
-    TexelGrid(const PageTexels& page, std::uint32_t size) : page_(page), size_(size), index_(std::size_t{size} * size, none) {
-        for (std::size_t k = 0; k < page.texels.size(); ++k)
-            index_[std::size_t{page.texels[k].y} * size + page.texels[k].x] = static_cast<std::uint32_t>(k);
-    }
-    [[nodiscard]] std::uint32_t at(int x, int y) const {
-        const auto size = static_cast<int>(size_);
-        return x < 0 || y < 0 || x >= size || y >= size
-                   ? none
-                   : index_[static_cast<std::size_t>(y) * size_ + static_cast<std::size_t>(x)];
-    }
-    [[nodiscard]] const Texel& texel(std::uint32_t index) const { return page_.texels[index]; }
-
-  private:
-    const PageTexels& page_;
-    std::uint32_t size_;
-    std::vector<std::uint32_t> index_;
-};
-
-/// The neighbours of one texel, found ring by ring.
-class Window {
-  public:
-    Window(const TexelGrid& grid, std::uint32_t centre) : grid_(grid), x_(grid.texel(centre).x), y_(grid.texel(centre).y) {
-        found_.fill(none);
-        found_[slot({0, 0})] = centre;
-    }
-    /// The neighbour there, none if there is no way to it. Nearer places must have been asked for before.
-    std::uint32_t reach(const Place& to) {
-        if (to.dx == 0 && to.dy == 0) return found_[slot(to)];
-        const std::uint32_t there = grid_.at(x_ + to.dx, y_ + to.dy);
-        if (there == none) return none;
-        bool is_reached = false;
-        if (to.dx != 0) {
-            const Place from{to.dx > 0 ? to.dx - 1 : to.dx + 1, to.dy};
-            const std::uint32_t before = found_[slot(from)];
-            is_reached = before != none && joined(to.dx > 0 ? before : there, to.dx > 0 ? there : before, true);
-        }
-        if (!is_reached && to.dy != 0) {
-            const Place from{to.dx, to.dy > 0 ? to.dy - 1 : to.dy + 1};
-            const std::uint32_t before = found_[slot(from)];
-            is_reached = before != none && joined(to.dy > 0 ? before : there, to.dy > 0 ? there : before, false);
-        }
-        return is_reached ? found_[slot(to)] = there : none;
-    }
-
-  private:
-    static std::size_t slot(const Place& p) {
-        return static_cast<std::size_t>((p.dy + most_radius) * width + p.dx + most_radius);
-    }
-    [[nodiscard]] bool joined(std::uint32_t first, std::uint32_t second, bool right) const {
-        const Texel &a = grid_.texel(first), &b = grid_.texel(second);
-        return a.chart == b.chart && (right ? a.joined_right : a.joined_down);
-    }
-    const TexelGrid& grid_;
-    int x_, y_;
-    std::array<std::uint32_t, width * width> found_;
-};
-
-/// A polynomial in the place through the values of both halves of the rays: moments, added up.
-template <int terms>
-class LocalFit {
-  public:
-    void add(const Place& at, const std::array<Rgb, 2>& values) {
-        const auto x = static_cast<double>(at.dx) / most_radius, y = static_cast<double>(at.dy) / most_radius;
-        Eigen::Matrix<double, terms, 1> basis;
-        basis[0] = 1, basis[1] = x, basis[2] = y;
-        if constexpr (terms == 6) basis[3] = x * x, basis[4] = x * y, basis[5] = y * y;
-        moments_ += basis * basis.transpose();
-        Eigen::Matrix<double, 1, 6> row;
-        row << values[0].x, values[0].y, values[0].z, values[1].x, values[1].y, values[1].z;
-        sums_ += basis * row;
-    }
-    /// Values at the middle, and the variance of each for values of variance 1.
-    [[nodiscard]] Disc at_middle() const {
-        // A little stiffness: a row of texels says nothing about the slope across it.
-        Eigen::Matrix<double, terms, terms> matrix = moments_;
-        for (int k = 1; k < terms; ++k) matrix(k, k) += 1e-4 * moments_(0, 0);
-        const Eigen::Matrix<double, terms, 1> weights = matrix.ldlt().solve(Eigen::Matrix<double, terms, 1>::Unit(0));
-        const Eigen::Matrix<double, 1, 6> values = weights.transpose() * sums_;
-        Disc result;
-        for (int half = 0; half < 2; ++half)
-            for (int c = 0; c < 3; ++c) result.values[static_cast<std::size_t>(half)][c] = static_cast<float>(values[3 * half + c]);
-        result.variance = weights.dot(moments_ * weights);
-        return result;
-    }
-
-  private:
-    Eigen::Matrix<double, terms, terms> moments_ = Eigen::Matrix<double, terms, terms>::Zero();
-    Eigen::Matrix<double, terms, 6> sums_ = Eigen::Matrix<double, terms, 6>::Zero();
-};
-using PlaneFit = LocalFit<3>;
-using QuadraticFit = LocalFit<6>;
 
 /// The rule of intersecting intervals for one half: which disc is the largest that agrees with all smaller ones.
 class Intervals {
@@ -169,87 +95,88 @@ class Intervals {
 class Sharer {
   public:
     Sharer(const PageTexels& page, std::uint32_t page_size, const GatheredLight& light, std::uint32_t most_texels)
-        : light_(light), grid_(page, page_size) {
-        while (discs_ < disc_radii.size() && disc_radii[discs_] <= static_cast<int>(most_texels)) ++discs_;
-        can_send_.resize(page.texels.size());
-        for (std::size_t k = 0; k < page.texels.size(); ++k) can_send_[k] = page.can_send(page.texels[k]);
+        : page_(page), light_(light), grid_(page, page_size) {
+        while (discs_ < disc_count && TexelWindow::disc_radii[discs_] <= static_cast<int>(most_texels)) ++discs_;
     }
 
     void share(std::uint32_t index, SharedLight& result) const {
-        const std::array<Rgb, 2> own = values(index);
-        result.irradiance[index] = (own[0] + own[1]) * 0.5f;
-        if (!can_send_[index]) return;
-        Window window(grid_, index);
-        std::array<Disc, disc_radii.size()> discs;
+        result.irradiance[index] = (light_.halves[0][index] + light_.halves[1][index]) * 0.5f;
+        if (!page_.can_send(page_.texels[index])) return;
+        TexelWindow window(grid_, index);
+        std::array<Values, most_members> values;
+        double squares = 0;  // of the differences between the halves
+        const auto grow = [&](std::size_t disc) {
+            const std::size_t before = window.members().size();
+            const auto added = window.grow(disc);
+            for (std::size_t k = 0; k < added.size(); ++k) {
+                values[before + k] = values_at(added[k].texel);
+                const double difference = Disc{values[before + k]}.luminance_of(0) - Disc{values[before + k]}.luminance_of(1);
+                squares += difference * difference;
+            }
+        };
+        std::array<std::size_t, disc_count> ends;
+        for (std::size_t k = 0; k <= smallest_noise_disc; ++k) grow(k), ends[k] = window.members().size();
+        std::array<Disc, disc_count> discs;
         std::array<Intervals, 2> intervals;
-        PlaneFit plane;
-        QuadraticFit quadratic;
-        NoiseSum noise;
-        for (std::size_t k = 0; k <= smallest_noise_disc; ++k) add_noise(window, k, noise);
         for (std::size_t k = 0; k < discs_; ++k) {
-            if (k > smallest_noise_disc) add_noise(window, k, noise);
-            add_ring(window, k, plane, quadratic);
-            discs[k] = k < first_quadratic ? plane.at_middle() : quadratic.at_middle();
-            discs[k].variance *= noise.mean();
+            if (k > smallest_noise_disc) grow(k), ends[k] = window.members().size();
+            discs[k] = disc(k, window.members().first(ends[k]), values);
+            discs[k].variance *= squares / (2.0 * static_cast<double>(window.members().size()));
             // A larger disc that reaches into louder surroundings knows less.
             if (k > 0 && !(discs[k].variance < discs[k - 1].variance)) break;
             for (std::size_t half = 0; half < 2; ++half)
-                intervals[half].add(static_cast<double>(luminance(discs[k].values[half])), std::sqrt(discs[k].variance));
+                intervals[half].add(discs[k].luminance_of(static_cast<int>(half)), std::sqrt(discs[k].variance));
             if (intervals[0].ended() && intervals[1].ended()) break;
         }
         choose(discs, {intervals[0].largest(), intervals[1].largest()}, index, result);
     }
 
   private:
+    [[nodiscard]] Values values_at(std::uint32_t texel) const {
+        const Rgb &a = light_.halves[0][texel], &b = light_.halves[1][texel];
+        Values values;
+        values << static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z), static_cast<double>(b.x),
+            static_cast<double>(b.y), static_cast<double>(b.z);
+        return values;
+    }
+
+    /// The fit to a disc's members; its variance is for values of variance 1.
+    static Disc disc(std::size_t number, std::span<const TexelWindow::Member> members, const std::array<Values, most_members>& values) {
+        std::array<double, most_members> own;
+        const double* weights = whole_weights()[number].data();
+        if (members.size() < whole_weights()[number].size()) {
+            std::array<TexelWindow::Place, most_members> places;
+            for (std::size_t k = 0; k < members.size(); ++k) places[k] = members[k].place;
+            find_weights(number, {places.data(), members.size()}, own);
+            weights = own.data();
+        }
+        Disc result{Values::Zero()};
+        for (std::size_t k = 0; k < members.size(); ++k) {
+            result.values += weights[k] * values[k];
+            result.variance += weights[k] * weights[k];
+        }
+        return result;
+    }
+
     /// Each half takes the disc that the other has chosen: what chooses knows nothing of the noise that is averaged, so that no
     /// outlier decides about itself, and the mean stays true.
-    static void choose(const std::array<Disc, disc_radii.size()>& discs, const std::array<std::size_t, 2>& largest,
-                       std::uint32_t index, SharedLight& result) {
+    static void choose(const std::array<Disc, disc_count>& discs, const std::array<std::size_t, 2>& largest, std::uint32_t index,
+                       SharedLight& result) {
         const Disc &first = discs[largest[1]], &second = discs[largest[0]];
         for (int c = 0; c < 3; ++c)
-            result.irradiance[index][c] = std::max((first.values[0][c] + second.values[1][c]) * 0.5f, 0.0f);
+            result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
         result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
         // Against the largest disc but one, beyond what noise explains.
         const std::size_t chosen = std::min(largest[0], largest[1]);
         if (chosen == 0) return;
-        const auto mean = [&](std::size_t disc) { return luminance(discs[disc].values[0] + discs[disc].values[1]) * 0.5f; };
-        const auto expected = static_cast<float>(std::sqrt(0.5 * std::max(discs[chosen - 1].variance - discs[chosen].variance, 0.0)));
-        result.bias[index] = std::max(0.0f, std::fabs(mean(chosen) - mean(chosen - 1)) - expected);
+        const auto mean = [&](std::size_t k) { return (discs[k].luminance_of(0) + discs[k].luminance_of(1)) * 0.5; };
+        const double expected = std::sqrt(0.5 * std::max(discs[chosen - 1].variance - discs[chosen].variance, 0.0));
+        result.bias[index] = static_cast<float>(std::max(0.0, std::fabs(mean(chosen) - mean(chosen - 1)) - expected));
     }
 
-    [[nodiscard]] std::array<Rgb, 2> values(std::uint32_t index) const {
-        return {light_.halves[0][index], light_.halves[1][index]};
-    }
-
-    void add_ring(Window& window, std::size_t disc, PlaneFit& plane, QuadraticFit& quadratic) const {
-        for (const Place& place : rings()[disc]) {
-            const std::uint32_t there = window.reach(place);
-            if (there == none || !can_send_[there]) continue;
-            if (disc < first_quadratic) plane.add(place, values(there));
-            quadratic.add(place, values(there));
-        }
-    }
-
-    /// Variance of one half, from the differences of both.
-    struct NoiseSum {
-        double squares = 0;
-        int count = 0;
-        [[nodiscard]] double mean() const { return count ? squares / (2 * count) : 0; }
-    };
-    void add_noise(Window& window, std::size_t disc, NoiseSum& noise) const {
-        for (const Place& place : rings()[disc]) {
-            const std::uint32_t there = window.reach(place);
-            if (there == none || !can_send_[there]) continue;
-            const std::array<Rgb, 2> both = values(there);
-            const auto difference = static_cast<double>(luminance(both[0]) - luminance(both[1]));
-            noise.squares += difference * difference;
-            ++noise.count;
-        }
-    }
-
+    const PageTexels& page_;
     const GatheredLight& light_;
     TexelGrid grid_;
-    std::vector<std::uint8_t> can_send_;
     std::size_t discs_ = 0;
 };
 
