@@ -15,9 +15,10 @@ namespace luxel {
 namespace {
 
 /// Bounces that a path may take without getting away from what is near, and the share of the light that makes another
-/// one worth its rays. What is left then is what the patches say.
-constexpr std::uint32_t most_bounces = 8;
-constexpr float least_share = 0.01f;
+/// one worth its rays. What is left then is what the patches say: in a dark gap behind a lit wall that is too much, so it must
+/// be little.
+constexpr std::uint32_t most_bounces = 32;
+constexpr float least_share = 0.002f;
 constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d;
 
 TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction) {
@@ -42,7 +43,8 @@ struct NearLight::Rays {
 
 NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
                              const Rgb& weight, float share) const {
-    const bool has_texture = in_.scene.material_of(hit.triangle).base_texture != none;
+    // The texture's detail shows in what comes straight from it; farther on the mean will do.
+    const bool has_texture = share == 1 && in_.scene.material_of(hit.triangle).base_texture != none;
     const Rgb reflectance = has_texture ? surface_reflectance(in_.scene, hit.triangle, hit.b1, hit.b2)
                                         : in_.patches.patches[patch].reflectance;
     const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
