@@ -8,8 +8,8 @@
 #include "baker/light/gather.h"
 #include "baker/light/pane_colour.h"
 #include "baker/light/patch_irradiance.h"
-#include "baker/light/sky.h"
 #include "baker/light/share_light.h"
+#include "baker/light/sky.h"
 
 namespace luxel {
 namespace {
@@ -66,8 +66,12 @@ class PageLighter {
         LightGuides guides;
 
         explicit Senders(PageLighter& of) : emitters(of.g_.scene, of.g_.atlas, of.g_.patches), radiosity(of.reflected_) {
+            std::vector<Rgb> irradiance = add_lamps(of.solution_.result.irradiance, of.sources_.lamp_irradiance);
+            of.recolour(irradiance);
             for (std::uint32_t page = 0; page < of.g_.atlas.page_count; ++page)
-                radiosity.add_page(of.g_.texels, of.g_.patches, page, of.interpolated(page));
+                radiosity.add_page(of.g_.texels, of.g_.patches, page,
+                                   interpolate_page(of.g_.atlas, of.g_.texels, of.g_.patches, irradiance, page, of.options_.patch_texels,
+                                                    Interpolation::linear));
             radiosity.finish();
             std::vector<float> reflected, emitted;
             for (const Rgb& b : of.reflected_) reflected.push_back(luminance(b));
@@ -84,10 +88,14 @@ class PageLighter {
         if (irradiance_.empty()) {
             ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
             irradiance_ = patch_irradiance(strips, solution_.result.radiosity, sources_.lamp_irradiance);
-            for (std::size_t p = 0; p < colours_.size(); ++p)
-                irradiance_[p] = recoloured(irradiance_[p], sources_.lamp_irradiance[p], colours_[p]);
+            recolour(irradiance_);
         }
         return interpolate_page(g_.atlas, g_.texels, g_.patches, irradiance_, page, options_.patch_texels, options_.interpolation);
+    }
+
+    void recolour(std::vector<Rgb>& irradiance) const {
+        for (std::size_t p = 0; p < colours_.size(); ++p)
+            irradiance[p] = recoloured(irradiance[p], sources_.lamp_irradiance[p], colours_[p]);
     }
 
     /// Once, when the first page needs them.
@@ -107,14 +115,14 @@ class PageLighter {
     const BakedSolution& solution_;
     std::optional<Sky> sky_;
     std::vector<Rgb> reflected_;   // per patch
-    std::vector<Rgb> irradiance_;  // per patch, on first use
+    std::vector<Rgb> irradiance_;  // per patch, only for drafts
     std::vector<Rgb> colours_;     // per patch, only where panes tint
     bool has_colours_ = false;
     std::optional<Senders> senders_;
 };
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 6")
+    return KeyBuilder("light 7")
         .key(solution)
         .integer(options.gather_rays)
         .integer(options.share_texels)

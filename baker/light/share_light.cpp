@@ -166,12 +166,6 @@ class Sharer {
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
         result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
-        // Against the largest disc but one, beyond what noise explains.
-        const std::size_t chosen = std::min(largest[0], largest[1]);
-        if (chosen == 0) return;
-        const auto mean = [&](std::size_t k) { return (discs[k].luminance_of(0) + discs[k].luminance_of(1)) * 0.5; };
-        const double expected = std::sqrt(0.5 * std::max(discs[chosen - 1].variance - discs[chosen].variance, 0.0));
-        result.bias[index] = static_cast<float>(std::max(0.0, std::fabs(mean(chosen) - mean(chosen - 1)) - expected));
     }
 
     const PageTexels& page_;
@@ -188,7 +182,6 @@ SharedLight share_light(const PageTexels& page, std::uint32_t page_size, const G
     const std::size_t count = page.texels.size();
     result.irradiance.resize(count);
     result.standard_error.assign(count, 0);
-    result.bias.assign(count, 0);
     const Sharer sharer(page, page_size, light, most_texels);
     parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), result);

@@ -1,7 +1,8 @@
 /// Gathered light shared between texels. Light that comes from all around is smooth along a surface: what neighbours have
-/// gathered tells about a texel too. Each texel gets the value of a linear fit over the largest disc of neighbours that its own
+/// gathered tells about a texel too. Each texel gets the value of a polynomial fit over the largest disc of neighbours that its own
 /// noise cannot tell from the smaller discs (intersection of confidence intervals): wide where light is even, none at
-/// the edge of a shadow or in a corner. Nothing is learned or guessed: a fit of measured values, exact where light is linear.
+/// the edge of a shadow or in a corner. Nothing is learned or guessed: a fit of measured values, exact where light is a polynomial of
+/// the second degree.
 ///
 /// Neighbours are texels of the same chart that one can walk to without crossing what stands on the surface
 /// (Texel::joined_right, joined_down): no light passes a chart border or a wall.
@@ -9,7 +10,7 @@
 /// Threads  uses them all; a pure function.
 /// Source   Goldenshluger and Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997, and Katkovnik, A
 ///          new method for varying adaptive bandwidth selection, IEEE Trans. Signal Processing 47(9) 1999 (the interval rule); Fan and
-///          Gijbels, Local Polynomial Modelling, 1996 (linear fits have no bias at borders).
+///          Gijbels, Local Polynomial Modelling, 1996 (local polynomials have no more bias at borders than inside).
 #pragma once
 #include <span>
 #include <vector>
@@ -22,7 +23,6 @@ namespace luxel {
 struct SharedLight {
     std::vector<Rgb> irradiance;       ///< lux, >= 0
     std::vector<float> standard_error; ///< of the luminance, lux: noise that is left
-    std::vector<float> bias;           ///< estimated size of what sharing has changed beyond noise, luminance, lux
 };
 
 /// Of the texels of a page, in their order. `most_texels`: radius of the largest disc, 0: no sharing, at most 8.
