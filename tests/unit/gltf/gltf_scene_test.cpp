@@ -96,7 +96,7 @@ TEST(GltfNodes, PathsAreUniqueAndMatricesAreDoubles) {
     MadeGltf made;
     made.primitive(made.square());
     made.json["nodes"] = json::parse(R"([
-        {"name": "root", "translation": [1000000.0000001, 0, 0], "children": [1, 2, 3, 4, 5]},
+        {"name": "hall", "translation": [1000000.0000001, 0, 0], "children": [1, 2, 3, 4, 5]},
         {"name": "a", "mesh": 0, "scale": [2, 2, 2]}, {"name": "a", "mesh": 0}, {"name": "a:1", "mesh": 0},
         {"mesh": 0, "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476]},
         {"name": "b/c@1", "mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]}])");
@@ -105,7 +105,7 @@ TEST(GltfNodes, PathsAreUniqueAndMatricesAreDoubles) {
     ASSERT_EQ(record.instances.size(), 5u);
     std::vector<std::string> paths;
     for (const InstanceRecord& instance : record.instances) paths.push_back(instance.node_path);
-    EXPECT_THAT(paths, ElementsAre("/root/a", "/root/a:1", "/root/a:1:1", "/root/#4", "/root/b%2Fc%401"));
+    EXPECT_THAT(paths, ElementsAre("/hall/a", "/hall/a:1", "/hall/a:1:1", "/hall/#4", "/hall/b%2Fc%401"));
     EXPECT_EQ(record.instances[0].world[3][0], 1000000.0000001);
     EXPECT_EQ(record.instances[0].world[0][0], 2);
     Imath::V3d x;

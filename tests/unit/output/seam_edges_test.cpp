@@ -36,20 +36,6 @@ SeamScene flat(const std::vector<MadeMesh>& meshes, const std::vector<FlatLayout
     return {std::move(scene), std::move(atlas)};
 }
 
-/// All that the unwrapper makes of one object; normals, if given, per vertex.
-SeamScene unwrapped(const MadeMesh& mesh, const std::vector<Vec3f>& normals = {}) {
-    SceneMaker maker;
-    maker.add("thing", mesh);
-    maker.record().meshes[0].primitives[0].normals = normals;
-    Scene scene = maker.build();
-    UnwrapOptions options;
-    options.texels_per_metre = 8;
-    options.page_size = 256;
-    std::vector<Warning> warnings;
-    Atlas atlas = unwrap(scene, options, warnings, {});
-    return {std::move(scene), std::move(atlas)};
-}
-
 TEST(SeamEdges, TwoTilesOfDifferentObjects) {
     const SeamScene s = flat({tile(0, 0, 1, 2), tile(1, 0, 1.5f, 2)}, {{8, 0}, {5, 0.4}});
     const auto seams = s.seams();

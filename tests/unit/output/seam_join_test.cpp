@@ -86,16 +86,7 @@ TEST(SeamJoin, OnlyWhatIsReadAtTheSeamChanges) {
 
 TEST(SeamJoin, ABallUnwrappedIntoCharts) {
     const MadeMesh ball = icosphere(4, 1);
-    SceneMaker maker;
-    maker.add("ball", ball);
-    maker.record().meshes[0].primitives[0].normals = ball.positions;
-    Scene scene = maker.build();
-    UnwrapOptions options;
-    options.texels_per_metre = 12;
-    options.page_size = 128;
-    std::vector<Warning> warnings;
-    Atlas atlas = unwrap(scene, options, warnings, {});
-    const SeamScene s(std::move(scene), std::move(atlas));
+    const SeamScene s = unwrapped(ball, ball.positions, 12, 128);
     ASSERT_GT(s.atlas.charts.size(), 1u);
     LitPages pages =
         paint(s, [](const Vec3f& at, std::uint32_t) { return Rgb(1.2f + at.x, 1.1f + at.y, 1.3f + at.z); });
@@ -105,15 +96,7 @@ TEST(SeamJoin, ABallUnwrappedIntoCharts) {
 }
 
 TEST(SeamJoin, AHardCreaseKeepsEveryBit) {
-    SceneMaker maker;
-    maker.add("box", box(2, 2, 2));
-    Scene scene = maker.build();
-    UnwrapOptions options;
-    options.texels_per_metre = 8;
-    options.page_size = 128;
-    std::vector<Warning> warnings;
-    Atlas atlas = unwrap(scene, options, warnings, {});
-    const SeamScene s(std::move(scene), std::move(atlas));
+    const SeamScene s = unwrapped(box(2, 2, 2), {}, 8, 128);
     LitPages pages = paint(s, [](const Vec3f& at, std::uint32_t) { return gradient(at); });
     const LitPages before = pages;
     const SeamJump jump = join(s.samples(), pages);

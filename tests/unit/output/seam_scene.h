@@ -82,6 +82,21 @@ struct SeamScene {
     [[nodiscard]] SeamSamples samples() const { return sample_seams(scene, atlas, texels, *tracer, seams()); }
 };
 
+/// All that the unwrapper makes of one object; normals, if given, per vertex.
+inline SeamScene unwrapped(const MadeMesh& mesh, const std::vector<Vec3f>& normals = {}, double texels_per_metre = 8,
+                           std::uint32_t page_size = 256) {
+    SceneMaker maker;
+    maker.add("thing", mesh);
+    maker.record().meshes[0].primitives[0].normals = normals;
+    Scene scene = maker.build();
+    UnwrapOptions options;
+    options.texels_per_metre = texels_per_metre;
+    options.page_size = page_size;
+    std::vector<Warning> warnings;
+    Atlas atlas = unwrap(scene, options, warnings, {});
+    return {std::move(scene), std::move(atlas)};
+}
+
 /// Pages with light, filled and grown.
 struct LitPages {
     std::uint32_t size = 0;
