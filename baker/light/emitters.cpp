@@ -76,8 +76,22 @@ void EmitterSet::close_cluster(std::size_t first) {
     clusters_.push_back(cluster);
 }
 
-float EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const {
-    probability.resize(clusters_.size());
+namespace {
+
+/// From sums so far to shares of the last; empty if there is nothing.
+void make_cumulative(std::vector<float>& up_to, float total) {
+    if (!(total > 0)) return up_to.clear();
+    // Behind the last that counts nothing may be chosen, whatever rounding makes of it.
+    for (float& sum : up_to) sum = sum < total ? sum / total : 1.0f;
+}
+
+float before(std::span<const float> up_to, std::size_t k) { return k == 0 ? 0.0f : up_to[k - 1]; }
+float probability(std::span<const float> up_to, std::size_t k) { return up_to[k] - before(up_to, k); }
+
+}  // namespace
+
+float EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& up_to) const {
+    up_to.resize(clusters_.size());
     float total = 0, seen = 0;
     for (std::size_t k = 0; k < clusters_.size(); ++k) {
         const Cluster& cluster = clusters_[k];
@@ -90,17 +104,15 @@ float EmitterSet::weigh(const Vec3f& position, const Vec3f& normal, std::vector<
         const float bound_receives = std::clamp(receives + slack, 0.0f, 1.0f);
         const float bound_sends = std::clamp(sends + slack + cluster.normal_spread, 0.0f, 1.0f);
         const float density = bound_receives * bound_sends / (far * far);
-        probability[k] = cluster.power * density;
-        total += probability[k];
+        up_to[k] = total += cluster.power * density;
         seen += cluster.area_m2 * density * static_cast<float>(1 / pi);
     }
-    if (total > 0)
-        for (float& p : probability) p /= total;
+    make_cumulative(up_to, total);
     return std::min(seen, 1.0f);
 }
 
-void EmitterSet::weigh_around(const Vec3f& position, float around_m, std::vector<float>& probability) const {
-    probability.resize(clusters_.size());
+void EmitterSet::weigh_around(const Vec3f& position, float around_m, std::vector<float>& up_to) const {
+    up_to.resize(clusters_.size());
     float total = 0;
     for (std::size_t k = 0; k < clusters_.size(); ++k) {
         const Cluster& cluster = clusters_[k];
@@ -108,42 +120,31 @@ void EmitterSet::weigh_around(const Vec3f& position, float around_m, std::vector
         const float distance = to.length(), far = std::max({distance, cluster.radius_m, around_m});
         const float sends = distance > 0 ? -to.dot(cluster.normal) / distance : 1.0f;
         const float bound_sends = std::clamp(sends + (cluster.radius_m + around_m) / far + cluster.normal_spread, 0.0f, 1.0f);
-        total += probability[k] = cluster.power * bound_sends / (far * far);
+        up_to[k] = total += cluster.power * bound_sends / (far * far);
     }
-    if (total > 0)
-        for (float& p : probability) p /= total;
-    else
-        probability.clear();
+    make_cumulative(up_to, total);
 }
 
-EmitterSet::Aim EmitterSet::aim(std::span<const float> probability, float choice, float u, float v) const {
-    float before = 0;
-    std::size_t k = 0, last = 0;
-    for (; k < probability.size(); ++k) {
-        if (probability[k] <= 0) continue;
-        last = k;
-        if (choice < before + probability[k]) break;
-        before += probability[k];
-    }
-    if (k == probability.size()) k = last;  // rounding of the sum
+EmitterSet::Aim EmitterSet::aim(std::span<const float> up_to, float choice, float u, float v) const {
+    const auto k = static_cast<std::size_t>(std::upper_bound(up_to.begin(), up_to.end() - 1, choice) - up_to.begin());
     const Cluster& cluster = clusters_[k];
-    const float inside = std::clamp((choice - before) / probability[k], 0.0f, 0x1.fffffep-1f);
+    const float inside = std::clamp((choice - before(up_to, k)) / probability(up_to, k), 0.0f, 0x1.fffffep-1f);
     const auto begin = members_.begin() + cluster.first, end = members_.begin() + cluster.end;
     const auto member = std::upper_bound(begin, end - 1, inside,
                                          [](float value, const Member& m) { return value < m.power_up_to; });
     return {member->patch, samplers_[static_cast<std::size_t>(member - members_.begin())].point(u, v)};
 }
 
-float EmitterSet::density(std::span<const float> probability, PatchNumber patch) const {
+float EmitterSet::density(std::span<const float> up_to, PatchNumber patch) const {
     const std::uint32_t member = member_of_[patch];
     if (member == none) return 0;
-    return probability[cluster_of_[member]] * members_[member].share / patches_.patches[patch].area_m2;
+    return probability(up_to, cluster_of_[member]) * members_[member].share / patches_.patches[patch].area_m2;
 }
 
-float EmitterSet::density_per_sr(std::span<const float> probability, PatchNumber patch, const Scene& scene, const TraceRay& ray,
+float EmitterSet::density_per_sr(std::span<const float> up_to, PatchNumber patch, const Scene& scene, const TraceRay& ray,
                                  const TraceHit& hit) const {
     const float sends = std::fabs(scene.geometric_normal(hit.triangle).dot(ray.direction));
-    return density(probability, patch) * hit.distance_m * hit.distance_m / std::max(sends, 1e-6f);
+    return density(up_to, patch) * hit.distance_m * hit.distance_m / std::max(sends, 1e-6f);
 }
 
 }  // namespace luxel

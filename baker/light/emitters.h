@@ -22,25 +22,25 @@ class EmitterSet {
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
     [[nodiscard]] std::size_t cluster_count() const { return clusters_.size(); }
 
-    /// Probability of each cluster for a receiver at `position` with unit `normal`; sums to 1, or all 0 if none can be seen.
+    /// Probability of each cluster for a receiver at `position` with unit `normal`, cumulative: the last is 1, or empty if none can be seen.
     /// Returns about which share of the receiver's cosine rays would find an emitter if nothing stood between, 0..1.
-    float weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& probability) const;
+    float weigh(const Vec3f& position, const Vec3f& normal, std::vector<float>& up_to) const;
 
     /// The same for receivers within `around_m` of `position` that may face any way.
-    void weigh_around(const Vec3f& position, float around_m, std::vector<float>& probability) const;
+    void weigh_around(const Vec3f& position, float around_m, std::vector<float>& up_to) const;
 
     struct Aim {
         PatchNumber patch = no_patch;
         SurfacePoint point;
     };
-    /// A point on an emitter for `choice`, u, v in [0, 1).
-    [[nodiscard]] Aim aim(std::span<const float> probability, float choice, float u, float v) const;
+    /// A point on an emitter for `choice`, u, v in [0, 1). `up_to`, here and below: of weigh() or weigh_around(), not empty.
+    [[nodiscard]] Aim aim(std::span<const float> up_to, float choice, float u, float v) const;
 
     /// Density of aim() on the surface of a patch, 1/m2; 0 for patches that do not emit.
-    [[nodiscard]] float density(std::span<const float> probability, PatchNumber patch) const;
+    [[nodiscard]] float density(std::span<const float> up_to, PatchNumber patch) const;
 
     /// The same per direction in which a ray met the patch, 1/sr.
-    [[nodiscard]] float density_per_sr(std::span<const float> probability, PatchNumber patch, const Scene& scene, const TraceRay& ray,
+    [[nodiscard]] float density_per_sr(std::span<const float> up_to, PatchNumber patch, const Scene& scene, const TraceRay& ray,
                                        const TraceHit& hit) const;
 
   private:

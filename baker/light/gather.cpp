@@ -53,6 +53,7 @@ class TexelGather {
             result.emitted.halves[half][index] = is_shared ? own.emitted : controlled(own, other, &HalfLight::emitted);
             result.reflected.halves[half][index] = controlled(own, other, &HalfLight::reflected);
         }
+        result.rays[index] = found[0].rays + found[1].rays;
         result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
     }
 
@@ -60,7 +61,7 @@ class TexelGather {
     /// How half of the rays of a texel are shared out, and where light is likely.
     struct Plan {
         std::uint32_t cosine_rays = 0, aimed_rays = 0, sky_rays = 0;
-        std::vector<float> probability;  ///< per cluster of emitters
+        std::vector<float> emitters_up_to;  ///< EmitterSet::weigh
         GuideWarp warp;
         Frame frame{Vec3f(0, 0, 1)};  ///< of the patch: what the warp refers to
         Vec3f middle;
@@ -68,6 +69,7 @@ class TexelGather {
     struct HalfLight {
         Rgb emitted, reflected;
         float weights = 0;  ///< of the cosine rays, all of them; 1 on average
+        std::uint32_t rays = 0;
     };
 
     /// Control variate: light that is the same from everywhere is known without noise, since the weights should sum to 1. How much
@@ -96,9 +98,9 @@ class TexelGather {
             plan.frame = Frame(in_.patches.patches[patch].normal);
         }
         if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
-        const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.probability);
+        const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.emitters_up_to);
         // Cosine rays find large emitters by themselves, with less noise than points on them.
-        if (seen > 0 && seen < 0.5f) plan.aimed_rays = options_.rays / (seen < 0.25f ? 4 : 8);
+        if (!plan.emitters_up_to.empty() && seen < 0.5f) plan.aimed_rays = options_.rays / (seen < 0.25f ? 4 : 8);
         // Where hardly any light comes straight from them, they are out of sight.
         if (patch != no_patch && !in_.guides.empty() && in_.guides.emitted_share(patch) < 0.05f)
             plan.aimed_rays = std::min(plan.aimed_rays, options_.rays / 16);
@@ -124,7 +126,8 @@ class TexelGather {
             for (std::size_t k = 0; k < batch.count; ++k) add_aimed(batch, k, shares, emitted);
         }
         if (shares.sky_rays) add_aimed_sky(in_, sampler, shares.warp, shares.frame, shares.cosine_rays, shares.sky_rays, own_seed, emitted);
-        return {emitted.rgb(), reflected.rgb(), static_cast<float>(weights / shares.cosine_rays)};
+        return {emitted.rgb(), reflected.rgb(), static_cast<float>(weights / shares.cosine_rays),
+                shares.cosine_rays + shares.aimed_rays + shares.sky_rays + near.ray_count()};
     }
 
     void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, float density,
@@ -168,7 +171,7 @@ class TexelGather {
             const auto u = sequence.point(shares.cosine_rays + k);
             const auto w = aims.point(k);
             const SurfacePoint at = sampler.point(u[0], u[1]);
-            const EmitterSet::Aim target = in_.emitters.aim(shares.probability, w[0], w[1], w[2]);
+            const EmitterSet::Aim target = in_.emitters.aim(shares.emitters_up_to, w[0], w[1], w[2]);
             const Vec3f to = target.point.position - at.position;
             const float distance = to.length();
             if (!(distance > 0)) continue;
@@ -210,7 +213,7 @@ class TexelGather {
     /// Balance heuristic: cosine / pi over the sum of both densities of this direction, times the numbers of rays.
     [[nodiscard]] float weight(const TexelRays& batch, std::size_t k, PatchNumber patch, const Plan& shares) const {
         const float by_cosine = batch.cosine[k] * static_cast<float>(1 / pi);
-        const float aimed = shares.aimed_rays ? in_.emitters.density_per_sr(shares.probability, patch, in_.scene, batch.rays[k], batch.hits[k]) : 0.0f;
+        const float aimed = shares.aimed_rays ? in_.emitters.density_per_sr(shares.emitters_up_to, patch, in_.scene, batch.rays[k], batch.hits[k]) : 0.0f;
         return by_cosine / (static_cast<float>(shares.cosine_rays) * by_cosine * batch.density[k] +
                             static_cast<float>(shares.aimed_rays) * aimed);
     }
@@ -251,6 +254,7 @@ std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t 
     const std::size_t count = input.texels.pages[page].texels.size();
     GatheredPage result;
     result.lamps.assign(count, Rgb(0, 0, 0));
+    result.rays.assign(count, 0);
     for (GatheredLight* light : {&result.emitted, &result.reflected})
         for (std::vector<Rgb>& half : light->halves) half.assign(count, Rgb(0, 0, 0));
     std::atomic<bool> stopped{false};

@@ -52,6 +52,7 @@ struct GatheredLight {
 struct GatheredPage {
     std::vector<Rgb> lamps;            ///< lux; no noise worth naming
     GatheredLight emitted, reflected;  ///< straight from the sky and from surfaces that shine; by way of others
+    std::vector<std::uint32_t> rays;   ///< TexelLight::rays
 
     /// The sum of all, as gathered.
     [[nodiscard]] std::vector<Rgb> irradiance() const;

@@ -78,11 +78,10 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
     }
     if (lamp.kind == LampKind::directional) return lamp.intensity * std::max(0.0f, -lamp.direction.dot(normal));
     const Vec3f to_lamp = lamp.position - position;
-    const float d2 = to_lamp.dot(to_lamp);
-    if (!(d2 > 0)) return {0, 0, 0};
+    const float d2 = to_lamp.dot(to_lamp), height = to_lamp.dot(normal);
+    if (!(height > 0) || !(d2 > 0)) return {0, 0, 0};
     const float d = std::sqrt(d2);
-    const float cosine = to_lamp.dot(normal) / d;
-    if (cosine <= 0) return {0, 0, 0};
+    const float cosine = height / d;
     return lamp.intensity * beam(lamp, to_lamp, d, cosine / d2);
 }
 
@@ -160,27 +159,28 @@ Rgb LampLight::irradiance(const LightPoint& at, float random, const Vec2f& on_la
         const float strength = light.x + light.y + light.z;
         if (strength > 0) candidates.push_back({strength, k, light}), total += strength;
     }
-    std::sort(candidates.begin(), candidates.end(), [](const Contribution& a, const Contribution& b) {
-        return a.strength != b.strength ? a.strength > b.strength : a.lamp < b.lamp;
-    });
+    // Few of them are strong: a heap is cheaper than sorting all.
+    const auto is_weaker = [](const Contribution& a, const Contribution& b) {
+        return a.strength != b.strength ? a.strength < b.strength : a.lamp > b.lamp;
+    };
+    std::make_heap(candidates.begin(), candidates.end(), is_weaker);
     Rgb sum(0, 0, 0);
-    std::size_t k = 0;
-    float rest = total;
-    for (; k < candidates.size() && rest > weak_share * total; ++k) {
-        rest -= candidates[k].strength;
-        sum += light_of(candidates[k]);
+    for (float rest = total; !candidates.empty() && rest > weak_share * total;) {
+        std::pop_heap(candidates.begin(), candidates.end(), is_weaker);
+        rest -= candidates.back().strength;
+        sum += light_of(candidates.back());
+        candidates.pop_back();
     }
-    const std::size_t weak_begin = k;
-    if (candidates.size() - weak_begin <= static_cast<std::size_t>(weak_samples)) {
-        for (; k < candidates.size(); ++k) sum += light_of(candidates[k]);
+    if (candidates.size() <= static_cast<std::size_t>(weak_samples)) {
+        for (const Contribution& weak : candidates) sum += light_of(weak);
         return sum;
     }
     float weak_total = 0;
-    for (k = weak_begin; k < candidates.size(); ++k) weak_total += candidates[k].strength;
+    for (const Contribution& weak : candidates) weak_total += weak.strength;
     // Systematic sampling: one random number, evenly spaced picks along the cumulative strengths.
     float cumulative = 0;
     int next = 0;
-    for (k = weak_begin; k < candidates.size() && next < weak_samples; ++k) {
+    for (std::size_t k = 0; k < candidates.size() && next < weak_samples; ++k) {
         cumulative += candidates[k].strength;
         int picks = 0;
         while (next < weak_samples &&

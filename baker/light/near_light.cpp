@@ -19,10 +19,36 @@ namespace {
 /// be little.
 constexpr std::uint32_t most_bounces = 32;
 constexpr float least_share = 0.002f;
-constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d;
+constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d, thin_purpose = 0x7468696e;
 
 TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction) {
     return {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), direction, at.triangle};
+}
+
+/// Leaves half of the vertices, chosen in their order and in proportion to what depends on them, to stand for all: each then has the
+/// same weight, and all together the one they had, so even light stays without noise. In a gap most paths stay for many bounces, and
+/// the later ones matter less and less. Systematic resampling: Kitagawa, Monte Carlo Filter and Smoother for Non-Gaussian Nonlinear
+/// State Space Models, JCGS 5(1) 1996, appendix. `u` in [0, 1).
+void thin_out(std::vector<NearVertex>& vertices, float u) {
+    if (vertices.size() < 2) return;
+    const auto weight = [](const NearVertex& at) {
+        return static_cast<double>(std::max({at.throughput.x, at.throughput.y, at.throughput.z}));
+    };
+    double total = 0;
+    for (const NearVertex& at : vertices) total += weight(at);
+    if (!(total > 0)) return vertices.clear();
+    const std::size_t count = (vertices.size() + 1) / 2;
+    const double each = total / static_cast<double>(count);
+    std::vector<NearVertex> chosen;
+    double up_to = 0, next = static_cast<double>(u) * each;
+    for (const NearVertex& at : vertices) {
+        const double own = weight(at);
+        for (up_to += own; next < up_to && chosen.size() < count; next += each) {
+            chosen.push_back(at);
+            chosen.back().throughput *= static_cast<float>(each / own);
+        }
+    }
+    vertices = std::move(chosen);
 }
 
 }  // namespace
@@ -61,7 +87,7 @@ void NearLight::make_tables() {
     has_tables_ = true;
     // Half of all paths stay within two steps; farther ones only choose less well.
     const float around_m = 2 * reach_m_;
-    if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitter_probability_);
+    if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitters_up_to_);
     lamps_.emplace(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_);
 }
 
@@ -73,9 +99,11 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
         random.clear();
         for (const NearVertex& at : vertices) random.push_back(sequence.point(at.ray));
         if (!lamps_->empty()) add_lamps(vertices, random, sum);
-        if (!emitter_probability_.empty()) add_aimed(vertices, depth, sum);
+        if (!emitters_up_to_.empty()) add_aimed(vertices, depth, sum);
         add_aimed_sky(in_, vertices, mix(seed_, depth), sum);
+        ray_count_ += aimed_sky_rays(in_.sky, 1) * static_cast<std::uint32_t>(vertices.size());
         follow(vertices, random, depth, sum);
+        if (depth > 0) thin_out(vertices, SobolSequence(mix(seed_, thin_purpose)).point(depth)[0]);
     }
 }
 
@@ -91,19 +119,19 @@ void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const 
 }
 
 float NearLight::emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, float cosine) const {
-    if (emitter_probability_.empty()) return 1;
+    if (emitters_up_to_.empty()) return 1;
     const float by_cosine = cosine * static_cast<float>(1 / pi);
-    const float aimed = in_.emitters.density_per_sr(emitter_probability_, patch, in_.scene, ray, hit);
+    const float aimed = in_.emitters.density_per_sr(emitters_up_to_, patch, in_.scene, ray, hit);
     return by_cosine / std::max(by_cosine + aimed, 1e-30f);
 }
 
-void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) const {
+void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) {
     const SobolSequence aims(mix(seed_, aim_purpose + depth));
     Rays aimed;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];
         const auto u = aims.point(at.ray);
-        const EmitterSet::Aim target = in_.emitters.aim(emitter_probability_, u[0], u[1], u[2]);
+        const EmitterSet::Aim target = in_.emitters.aim(emitters_up_to_, u[0], u[1], u[2]);
         const Vec3f to = target.point.position - at.position;
         const float distance = to.length();
         if (!(distance > 0)) continue;
@@ -113,6 +141,7 @@ void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t de
             aimed.push(leave(in_.scene, at, direction), k, cosine, target.patch);
     }
     aimed.trace(in_.tracer);
+    ray_count_ += static_cast<std::uint32_t>(aimed.count);
     for (std::size_t k = 0; k < aimed.count; ++k) {
         const Landing at = landing(in_.scene, in_.atlas, in_.patches, aimed.hits[k]);
         if (at.end != RayEnd::patch || at.patch != aimed.target[k]) continue;
@@ -123,13 +152,14 @@ void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t de
 }
 
 void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random,
-                       std::uint32_t depth, LightSum& sum) const {
+                       std::uint32_t depth, LightSum& sum) {
     Rays rays;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const Vec3f local = cosine_direction(random[k][0], random[k][1]);
         rays.push(leave(in_.scene, vertices[k], Frame(vertices[k].normal).to_world(local)), k, local.z);
     }
     rays.trace(in_.tracer);
+    ray_count_ += static_cast<std::uint32_t>(rays.count);
     std::vector<NearVertex> further;
     for (std::size_t k = 0; k < rays.count; ++k) {
         const NearVertex& from = vertices[rays.vertex[k]];

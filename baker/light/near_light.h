@@ -1,8 +1,8 @@
 /// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean
 /// is wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that
 /// was hit to lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide
-/// and the solution is good enough again, or too little depends on it. No roulette: in even light every path says the
-/// same. Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
+/// and the solution is good enough again, or too little depends on it. After each bounce but the first, half of the paths stand
+/// for all. No roulette: in even light every path says the same. Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
 /// 4(3) 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
 #include <array>
@@ -44,15 +44,17 @@ class NearLight {
                                     const Rgb& weight, float share = 1) const;
     /// Adds the light of at most `batch` vertices to `sum`; uses them up. Their own emission is not counted.
     void add(std::vector<NearVertex>& vertices, LightSum& sum);
+    /// Traced so far to follow paths on, without shadow rays to lamps.
+    [[nodiscard]] std::uint32_t ray_count() const { return ray_count_; }
 
   private:
     struct Rays;
     void make_tables();
     void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
                    LightSum& sum) const;
-    void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) const;
+    void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum);
     void follow(std::vector<NearVertex>& vertices, std::span<const std::array<float, 4>> random, std::uint32_t depth,
-                LightSum& sum) const;
+                LightSum& sum);
     [[nodiscard]] float emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, float cosine) const;
 
     const GatherInput& in_;
@@ -60,8 +62,9 @@ class NearLight {
     Vec3f position_;
     bool aim_;
     std::uint64_t seed_;
+    std::uint32_t ray_count_ = 0;
     bool has_tables_ = false;
-    std::vector<float> emitter_probability_;  ///< per cluster; empty without emitters
+    std::vector<float> emitters_up_to_;  ///< EmitterSet::weigh_around; empty without emitters
     std::optional<LampTable> lamps_;
 };
 

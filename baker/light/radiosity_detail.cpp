@@ -53,6 +53,10 @@ void RadiosityDetail::add_page(const TexelSet& texels, const PatchSet& patches, 
             mean[patch][static_cast<std::size_t>(c)] += area * static_cast<double>(content[k].reflectance[c] * irradiance[k][c]);
         mean[patch][3] += area;
     }
+    if (mean_ == PatchMean::texels)
+        for (std::size_t p = 0; p < mean.size(); ++p)
+            if (mean[p][3] > 0)
+                for (std::size_t c = 0; c < 3; ++c) reflected_[p][static_cast<int>(c)] = static_cast<float>(mean[p][c] / mean[p][3]);
     for (std::size_t k = 0; k < content.size(); ++k) {
         const PatchNumber patch = patches.page_patch[page][place(content[k])];
         if (patch == no_patch || content[k].visible_m2 <= 0) continue;

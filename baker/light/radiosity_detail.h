@@ -1,9 +1,12 @@
 /// What a ray reads of the solution where it ends. A patch has one radiosity; the texture on it and the light that changes
 /// across it do not. Here every texel has a factor per channel on the radiosity of its patch:
 ///
-///     B_texel = rho_texel H_texel,  H interpolated between patches,  scaled so that the mean over a patch stays what was solved
+///     B_texel = rho_texel H_texel
 ///
-/// so light bounces with the detail of the texture, and no power is made or lost.
+/// so light bounces with the detail of the texture. Where H is only spread from the patches, the texels of a patch are scaled so that
+/// their mean stays what was solved: no power is made or lost. Where each texel has gathered its own, it is taken as it is: one
+/// more bounce of the solution, at the resolution of the texels, is nearer to the truth than the patch was (in a gap that is
+/// narrower than a patch, by far).
 ///
 /// Stored   4 bytes a texel: three logarithmic factors of 10 bits, 2^-4 .. 2^4 in steps of 0.54 %, 0, and exactly 1 where
 ///          nothing differs: an evenly lit surface without texture stays exact.
@@ -18,16 +21,23 @@
 
 namespace luxel {
 
+/// What the mean over the texels of a patch is.
+enum class PatchMean {
+    solved,  ///< the patch's own radiosity
+    texels   ///< what its texels were given
+};
+
 class RadiosityDetail {
   public:
     /// `reflected`: B - M per patch number, lm/m2, without self-emission, which may be so much brighter that a float of both
     /// has lost it. No detail: every texel is as its patch.
-    explicit RadiosityDetail(std::vector<Rgb> reflected) : reflected_(std::move(reflected)) {}
+    explicit RadiosityDetail(std::vector<Rgb> reflected, PatchMean mean = PatchMean::solved)
+        : reflected_(std::move(reflected)), mean_(mean) {}
 
-    /// Adds the detail of page `page`. `irradiance`: H of each of its texels (lux), in their order; the scale does not matter
-    /// patch by patch. All pages once, in any order, before the first look-up; then finish().
+    /// Adds the detail of page `page`. `irradiance`: H of each of its texels (lux), in their order; with PatchMean::solved the
+    /// scale does not matter patch by patch. All pages once, in any order, before the first look-up; then finish().
     void add_page(const TexelSet& texels, const PatchSet& patches, std::uint32_t page, std::span<const Rgb> irradiance);
-    /// Makes the mean over each patch what was solved.
+    /// Makes the mean over each patch what it should be, which rounding has changed.
     void finish();
 
     /// Reflected radiosity, lm/m2, where a ray met patch `patch` at `at`.
@@ -50,6 +60,7 @@ class RadiosityDetail {
     [[nodiscard]] static float factor(std::uint32_t packed) { return factors()[packed & channel_mask]; }
 
     std::vector<Rgb> reflected_;
+    PatchMean mean_;
     std::vector<std::vector<std::uint32_t>> pages_;
     /// Per patch and channel: area times factor of its texels so far, and their area.
     std::vector<std::array<double, 4>> sums_;

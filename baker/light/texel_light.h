@@ -8,12 +8,12 @@
 namespace luxel {
 
 struct TexelLight {
-    Rgb direct{0, 0, 0};    ///< irradiance straight from lamps and from the emission of surfaces, lux
+    Rgb direct{0, 0, 0};    ///< irradiance straight from lamps, the sky and the emission of surfaces, lux
     Rgb indirect{0, 0, 0};  ///< irradiance by way of at least one reflection, lux
     /// Estimated standard error of the luminance of direct + indirect, relative to that luminance; >= 0. 0 where
     /// nothing of it was estimated, or where it is dark.
     float error = 0;
-    std::uint32_t rays = 0;  ///< traced from this texel for its light, shadow rays to lamps included
+    std::uint32_t rays = 0;  ///< that left this texel and the points near it to gather light; shadow rays to lamps are not counted
 
     /// What the lightmap holds, lux.
     [[nodiscard]] Rgb irradiance() const { return direct + indirect; }

@@ -73,6 +73,24 @@ TEST(RadiosityDetail, FollowsTextureAndLightAndKeepsThePower) {
         }
 }
 
+TEST(RadiosityDetail, TakesWhatTexelsHaveGathered) {
+    auto made = sheet();
+    std::vector<Texel>& texels = made->texels.pages[0].texels;
+    std::vector<Rgb> irradiance;
+    for (Texel& texel : texels) {
+        texel.reflectance = Rgb(0.5f, 0.25f, 0.1f);
+        irradiance.emplace_back(3.0f + static_cast<float>(texel.x), texel.x % 3 ? 2.0f : 0.0f, 10.0f);
+    }
+    RadiosityDetail detail(std::vector<Rgb>(made->patches.count(), Rgb(100, 100, 100)), PatchMean::texels);
+    detail.add_page(made->texels, made->patches, 0, irradiance);
+    detail.finish();
+    for (std::size_t k = 0; k < texels.size(); ++k)
+        for (int c = 0; c < 3; ++c) {
+            const float expected = texels[k].reflectance[c] * irradiance[k][c];
+            EXPECT_NEAR(at_texel(*made, detail, texels[k])[c], expected, 0.01f * expected) << "whatever was solved";
+        }
+}
+
 TEST(RadiosityDetail, WithoutPagesEveryTexelIsAsItsPatch) {
     const auto made = sheet();
     std::vector<Rgb> radiosity;
