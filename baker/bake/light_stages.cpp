@@ -3,126 +3,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "baker/bake/page_lighter.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
-#include "baker/light/gather.h"
-#include "baker/light/pane_colour.h"
-#include "baker/light/patch_irradiance.h"
-#include "baker/light/share_light.h"
-#include "baker/light/sky.h"
 
 namespace luxel {
 namespace {
 
-Rgb to_rgb(const Channels& c) {
-    return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
-}
-
-/// Fills the pages of one light in the bake folder, as many as there is time for.
-class PageLighter {
-  public:
-    PageLighter(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources, const BakedMatrix& matrix,
-                const BakedSolution& solution)
-        : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution) {
-        if (!g_.scene.sky.empty()) sky_.emplace(g_.scene.sky);
-        for (PatchNumber p = 0; p < g_.patches.count(); ++p) {
-            Channels rest = solution.result.radiosity[p];
-            for (std::size_t c = 0; c < 3; ++c)
-                rest[c] = std::max(0.0, rest[c] - static_cast<double>(g_.patches.patches[p].emission[static_cast<int>(c)]));
-            reflected_.push_back(to_rgb(rest));
-        }
-    }
-
-    /// Empty: there was no time for it.
-    std::vector<Rgb> light(std::uint32_t page, ProgressCounter& progress) {
-        if (is_stopping(options_)) return {};
-        find_colours();
-        if (is_stopping(options_)) return {};  // there may have been no time for all colours
-        if (options_.gather_rays == 0) {
-            progress.add(g_.texels.pages[page].texels.size());
-            return interpolated(page);
-        }
-        if (!senders_) senders_.emplace(*this);
-        // What is nearer than a patch is wide sees it as more than one brightness.
-        const float near_m = patch_side_m(options_, g_.atlas);
-        const GatherInput input{g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, senders_->emitters, senders_->radiosity, senders_->guides,
-                                sky_ ? &*sky_ : nullptr};
-        const auto gathered = gather_page(input, page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
-        if (!gathered) return {};
-        const PageTexels& texels = g_.texels.pages[page];
-        std::vector<Rgb> sum = gathered->lamps;
-        for (const GatheredLight* part : {&gathered->emitted, &gathered->reflected}) {
-            const SharedLight shared = share_light(texels, g_.texels.page_size, *part, options_.share_texels);
-            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += shared.irradiance[k];
-        }
-        return sum;
-    }
-
-  private:
-    /// What the rays of texels meet.
-    struct Senders {
-        EmitterSet emitters;
-        RadiosityDetail radiosity;
-        LightGuides guides;
-
-        explicit Senders(PageLighter& of) : emitters(of.g_.scene, of.g_.atlas, of.g_.patches), radiosity(of.reflected_) {
-            std::vector<Rgb> irradiance = add_lamps(of.solution_.result.irradiance, of.sources_.lamp_irradiance);
-            of.recolour(irradiance);
-            for (std::uint32_t page = 0; page < of.g_.atlas.page_count; ++page)
-                radiosity.add_page(of.g_.texels, of.g_.patches, page,
-                                   interpolate_page(of.g_.atlas, of.g_.texels, of.g_.patches, irradiance, page, of.options_.patch_texels,
-                                                    Interpolation::linear));
-            radiosity.finish();
-            std::vector<float> reflected, emitted;
-            for (const Rgb& b : of.reflected_) reflected.push_back(luminance(b));
-            for (const Patch& patch : of.g_.patches.patches) emitted.push_back(luminance(patch.emission));
-            const bool is_dark = std::none_of(reflected.begin(), reflected.end(), [](float b) { return b > 0; });
-            if (is_dark) return;
-            ClosedMatrix strips(*of.matrix_.strips, of.matrix_.area_m2, of.matrix_.closure);
-            guides = LightGuides(strips, of.g_.patches, reflected, emitted);
-        }
-    };
-
-    /// Irradiance of the patches, spread over the texels of a page.
-    std::vector<Rgb> interpolated(std::uint32_t page) {
-        if (irradiance_.empty()) {
-            ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
-            irradiance_ = patch_irradiance(strips, solution_.result.radiosity, sources_.lamp_irradiance);
-            recolour(irradiance_);
-        }
-        return interpolate_page(g_.atlas, g_.texels, g_.patches, irradiance_, page, options_.patch_texels, options_.interpolation);
-    }
-
-    void recolour(std::vector<Rgb>& irradiance) const {
-        for (std::size_t p = 0; p < colours_.size(); ++p)
-            irradiance[p] = recoloured(irradiance[p], sources_.lamp_irradiance[p], colours_[p]);
-    }
-
-    /// Once, when the first page needs them.
-    void find_colours() {
-        if (has_colours_) return;
-        has_colours_ = true;
-        colours_ = pane_colours({g_.scene, g_.atlas, g_.patches, *g_.tracer, reflected_, sources_.lamp_irradiance},
-                                {.seed = options_.seed, .stop = options_.stop});
-        for (std::size_t p = 0; p < colours_.size(); ++p)
-            reflected_[p] = recoloured(reflected_[p], g_.patches.patches[p].reflectance * sources_.lamp_irradiance[p], colours_[p]);
-    }
-
-    const BakeOptions& options_;
-    const BakedGeometry& g_;
-    const BakedSources& sources_;
-    const BakedMatrix& matrix_;
-    const BakedSolution& solution_;
-    std::optional<Sky> sky_;
-    std::vector<Rgb> reflected_;   // per patch
-    std::vector<Rgb> irradiance_;  // per patch, only for drafts
-    std::vector<Rgb> colours_;     // per patch, only where panes tint
-    bool has_colours_ = false;
-    std::optional<Senders> senders_;
-};
-
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 7")
+    return KeyBuilder("light 8")
         .key(solution)
         .integer(options.gather_rays)
         .integer(options.share_texels)
@@ -134,8 +23,7 @@ Key light_key(const BakeOptions& options, const Key& solution) {
 
 }  // namespace
 
-// Both ways to light, gathered and interpolated, know only the sum so far.
-bool parts_light(const BakeOptions&) { return false; }
+bool parts_light(const BakeOptions& options) { return options.gather_rays > 0; }
 
 BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources,
                         const BakedMatrix& matrix, const BakedSolution& solution, const BakeFolder& folder,
@@ -147,6 +35,10 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     clock.stage("light", [&] {
         if (!solution.is_whole) return false;
         light.folder = folder.lightmaps(light.key);
+        if (parts_light(options))
+            light.texel_light = [&g, folder = light.folder, key = light.key](std::uint32_t page) {
+                return load_page_light(BakeFolder::lightmap_file(folder, page), key, g.texels.pages[page].texels.size()).value_or(std::vector<TexelLight>());
+            };
         ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
         PageLighter lighter(options, g, sources, matrix, solution);
         bool reused = true;
@@ -154,10 +46,10 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
         for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
             const auto path = BakeFolder::lightmap_file(light.folder, page);
             const std::size_t texels = g.texels.pages[page].texels.size();
-            if (load_lightmap(path, light.key, texels)) continue;
+            if (load_page_light(path, light.key, texels)) continue;
             reused = false;
-            const std::vector<Rgb> irradiance = lighter.light(page, progress);
-            if (irradiance.size() == texels) save_lightmap(path, light.key, irradiance);
+            const std::vector<TexelLight> found = lighter.light(page, progress);
+            if (found.size() == texels) save_page_light(path, light.key, found);
             else ++missing;
         }
         return reused;
@@ -188,7 +80,7 @@ std::vector<Rgb> add_lamps(std::span<const Channels> irradiance, std::span<const
 
 std::vector<Rgb> page_light(const BakeOptions& options, const BakedGeometry& g, const BakedLight& light, std::uint32_t page) {
     if (!light.folder.empty())
-        if (auto irradiance = load_lightmap(BakeFolder::lightmap_file(light.folder, page), light.key, g.texels.pages[page].texels.size()))
+        if (auto irradiance = load_page_irradiance(BakeFolder::lightmap_file(light.folder, page), light.key, g.texels.pages[page].texels.size()))
             return std::move(*irradiance);
     if (!light.patch_irradiance)
         throw Error(ErrorCode::damaged_store, light.folder.string(), "page " + std::to_string(page) + " is gone",

@@ -43,8 +43,11 @@ constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
 constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
 /// Of gathering: what the solve leaves and was given (200), where light comes from (light/light_guide.h), radiosity and irradiance.
 constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36;
-/// A page that is gathered: its lamps, two halves of two kinds of light, what sharing makes of one of them, and places.
-constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 * 12 + 20 + 12 + 5;
+/// A page that is gathered: its lamps, rays, two halves of two kinds of light, what sharing makes of both of them, places, and the parts
+/// of its light.
+constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 2 * 16 + 20 + 5 + 32;
+/// What texels send: as spread from the patches, and beside it as they gather it first.
+constexpr std::uint64_t senders = 2;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
@@ -65,7 +68,7 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
                                                CoarseSpace::most_entries(demand.patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
     const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks +
-                                    page_texels * (gather_bytes_per_page_texel + demand.page_count * RadiosityDetail::bytes_per_page_texel);
+                                    page_texels * (gather_bytes_per_page_texel + demand.page_count * senders * RadiosityDetail::bytes_per_page_texel);
     const std::uint64_t fixed = (demand.fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
     const std::uint64_t aside = demand.previews ? pictures : 0;

@@ -8,7 +8,7 @@ namespace luxel {
 namespace {
 
 constexpr std::uint32_t version = 1;
-constexpr std::uint32_t checkpoint_version = 2;
+constexpr std::uint32_t checkpoint_version = 2, lightmap_version = 2;
 /// Numbers of a checkpoint's vectors in one block: compressing a block takes as much memory again.
 constexpr std::size_t piece_numbers = std::size_t{1} << 16;
 /// A double holds every whole number up to here.
@@ -241,22 +241,56 @@ std::optional<StandardError> load_accuracy(const std::filesystem::path& path, co
     return StandardError{channels(radiosity), channels(irradiance), relative[0]};
 }
 
-void save_lightmap(const std::filesystem::path& path, const Key& key, std::span<const Rgb> irradiance) {
-    BlockFileWriter file(path, FileKind::lightmap, version, key);
-    append_column<float>(file, 0, {reinterpret_cast<const float*>(irradiance.data()), irradiance.size() * 3});
+void save_page_light(const std::filesystem::path& path, const Key& key, std::span<const TexelLight> light) {
+    BlockFileWriter file(path, FileKind::lightmap, lightmap_version, key);
+    std::vector<float> values;
+    for (const Rgb TexelLight::*part : {&TexelLight::direct, &TexelLight::indirect}) {
+        values.clear();
+        for (const TexelLight& texel : light)
+            for (int c = 0; c < 3; ++c) values.push_back((texel.*part)[c]);
+        append_column<float>(file, part == &TexelLight::direct ? 0 : 1, values);
+    }
+    values.clear();
+    std::vector<std::uint32_t> rays;
+    for (const TexelLight& texel : light) values.push_back(texel.error), rays.push_back(texel.rays);
+    append_column<float>(file, 2, values);
+    append_column<std::uint32_t>(file, 3, rays);
     file.publish();
 }
 
-std::optional<std::vector<Rgb>> load_lightmap(const std::filesystem::path& path, const Key& key,
-                                              std::size_t texel_count) {
+namespace {
+
+/// Adds one colour per texel, column `index`.
+template <class Add>
+void read_colours(const BlockFileReader& file, std::size_t index, std::size_t count, const char* column, const Add& add) {
+    const auto values = finite_column<float>(file, index, 3 * count, column);
+    for (std::size_t k = 0; k < count; ++k) add(k, Rgb(values[3 * k], values[3 * k + 1], values[3 * k + 2]));
+}
+
+}  // namespace
+
+std::optional<std::vector<TexelLight>> load_page_light(const std::filesystem::path& path, const Key& key, std::size_t texel_count) {
     if (absent(path)) return {};
-    const BlockFileReader file(path, FileKind::lightmap, version, &key);
-    require_numbered_blocks(file, 1);
-    const auto values = finite_column<float>(file, 0, 3 * texel_count, "irradiance");
-    std::vector<Rgb> irradiance(texel_count);
-    for (std::size_t k = 0; k < texel_count; ++k)
-        irradiance[k] = {values[3 * k], values[3 * k + 1], values[3 * k + 2]};
-    return irradiance;
+    const BlockFileReader file(path, FileKind::lightmap, lightmap_version, &key);
+    require_numbered_blocks(file, 4);
+    std::vector<TexelLight> light(texel_count);
+    read_colours(file, 0, texel_count, "direct", [&](std::size_t k, const Rgb& value) { light[k].direct = value; });
+    read_colours(file, 1, texel_count, "indirect", [&](std::size_t k, const Rgb& value) { light[k].indirect = value; });
+    const auto errors = finite_column<float>(file, 2, texel_count, "error");
+    const auto rays = read_column<std::uint32_t>(file, 3);
+    check_size(file, rays.size(), texel_count, "rays");
+    for (std::size_t k = 0; k < texel_count; ++k) light[k].error = errors[k], light[k].rays = rays[k];
+    return light;
+}
+
+std::optional<std::vector<Rgb>> load_page_irradiance(const std::filesystem::path& path, const Key& key, std::size_t texel_count) {
+    if (absent(path)) return {};
+    const BlockFileReader file(path, FileKind::lightmap, lightmap_version, &key);
+    require_numbered_blocks(file, 4);
+    std::vector<Rgb> sum(texel_count, Rgb(0, 0, 0));
+    read_colours(file, 0, texel_count, "direct", [&](std::size_t k, const Rgb& value) { sum[k] = value; });
+    read_colours(file, 1, texel_count, "indirect", [&](std::size_t k, const Rgb& value) { sum[k] += value; });
+    return sum;
 }
 
 }  // namespace luxel

@@ -9,7 +9,8 @@
 /// plan      kind 9, version 1: 0 first level, 1 last level of this round (u8 each, per patch; first > last: none).
 /// accuracy  kind 10, version 1: 0 sigma of radiosity (f64, 3 per patch), 1 sigma of irradiance (f64, 3 per patch),
 ///           2 relative error (f64).
-/// lightmap  kind 6, version 1: 0 irradiance (f32, 3 per texel of the page, in texel order).
+/// lightmap  kind 6, version 2, per texel of the page, in texel order: 0 direct (f32, 3 each, lux), 1 indirect (f32, 3 each, lux),
+///           2 relative error (f32), 3 rays (u32).
 /// checkpoint kind 13, version 2: SolveState: 0 name of the solver (text), 1 bytes that came from the disk, bytes that were
 ///           asked for (2 u64), 2 history: bytes read (u64), 3 history: bound (f64), 4 sizes of the solver's vectors (u64),
 ///           5 ... the vectors one after the other (f64), each in pieces of 65536 numbers, its last one shorter.
@@ -20,6 +21,7 @@
 #include "baker/accuracy/standard_error.h"
 #include "baker/formfactors/closure.h"
 #include "baker/formfactors/level_plan.h"
+#include "baker/light/texel_light.h"
 #include "baker/solver/solver.h"
 #include "formats/base/block_file.h"
 
@@ -45,7 +47,9 @@ std::optional<SolveState> load_checkpoint(const std::filesystem::path& path, con
 void save_accuracy(const std::filesystem::path& path, const Key& key, const StandardError& error);
 std::optional<StandardError> load_accuracy(const std::filesystem::path& path, const Key& key, std::size_t patch_count);
 
-void save_lightmap(const std::filesystem::path& path, const Key& key, std::span<const Rgb> irradiance);
-std::optional<std::vector<Rgb>> load_lightmap(const std::filesystem::path& path, const Key& key, std::size_t texel_count);
+void save_page_light(const std::filesystem::path& path, const Key& key, std::span<const TexelLight> light);
+std::optional<std::vector<TexelLight>> load_page_light(const std::filesystem::path& path, const Key& key, std::size_t texel_count);
+/// Of the same file, TexelLight::irradiance alone.
+std::optional<std::vector<Rgb>> load_page_irradiance(const std::filesystem::path& path, const Key& key, std::size_t texel_count);
 
 }  // namespace luxel

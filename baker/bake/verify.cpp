@@ -48,7 +48,7 @@ void load_whole(const std::string& stage, const std::filesystem::path& path, con
     if (stage == "solution") load_solution(path, key, elements(file, 0, 24));
     if (stage == "checkpoint") load_checkpoint(path, key);
     if (stage == "accuracy") load_accuracy(path, key, elements(file, 0, 24));
-    if (stage == "lightmaps") load_lightmap(path, key, elements(file, 0, 12));
+    if (stage == "lightmaps") load_page_light(path, key, elements(file, 0, 12));
     if (stage == "directory") load_directory(path, key);
     if (stage == "sky") {
         const SkyViewReader view(path, key);

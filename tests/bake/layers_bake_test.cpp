@@ -74,8 +74,8 @@ TEST(Layers, OfTheCornellBox) {
 TEST(Layers, OfLightThatIsNotKnownInPartsAreRefused) {
     const TemporaryFolder folder;
     BakeOptions options = small_options(sample("cornell_box"), folder / "out.glb");
+    options.gather_rays = 0;
     options.layers = {Layer::indirect, Layer::albedo};
-    if (parts_light(options)) GTEST_SKIP() << "this bake knows the parts";
     try {
         bake(options);
         ADD_FAILURE() << "accepted";
@@ -85,6 +85,46 @@ TEST(Layers, OfLightThatIsNotKnownInPartsAreRefused) {
         EXPECT_NE(error.hint.find("albedo"), std::string::npos);
     }
     EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
+}
+
+/// What the error layer says is how far the light of bakes with other random numbers scatters.
+TEST(Layers, ErrorIsHowFarSeedsScatter) {
+    constexpr std::size_t seeds = 8;
+    std::vector<std::vector<ReadExrPart>> bakes;
+    for (std::size_t seed = 0; seed < seeds; ++seed) {
+        const TemporaryFolder folder;
+        BakeOptions options = small_options(sample("cornell_box"), {});
+        options.unwrap.texels_per_metre = 16;
+        options.rays = 1024;  // the solve is nearly the same in all of them
+        options.gather_rays = 64;
+        options.seed = seed;
+        options.layers = {Layer::direct, Layer::indirect, Layer::error, Layer::samples, Layer::valid};
+        const FinishedBake bake = bake_in(folder.path(), options);
+        bakes.push_back(read_exr_parts(bytes_of(bake.outputs, "scene.aov0.exr")));
+    }
+    double scatter = 0, said = 0, count = 0;
+    for (std::size_t at = 0; at < bakes[0][4].numbers.size(); ++at) {
+        if (bakes[0][4].numbers[at] != 1) continue;
+        double sum = 0, squares = 0, error = 0;
+        for (const std::vector<ReadExrPart>& parts : bakes) {
+            double value = 0;
+            constexpr std::array<double, 3> weights{0.2126, 0.7152, 0.0722};
+            for (std::size_t c = 0; c < 3; ++c)
+                value += weights[c] * static_cast<double>(parts[0].floats[3 * at + c] + parts[1].floats[3 * at + c]);
+            sum += value, squares += value * value;
+            error += static_cast<double>(parts[2].floats[at]) / seeds;
+            EXPECT_GE(parts[3].numbers[at], 64u);
+        }
+        const double mean = sum / seeds;
+        if (!(mean > 0)) continue;
+        scatter += (squares / seeds / (mean * mean) - 1) * seeds / (seeds - 1);
+        said += error * error, ++count;
+    }
+    ASSERT_GT(count, 200);
+    const double ratio = std::sqrt(said / scatter);
+    RecordProperty("said_over_scatter", std::to_string(ratio));
+    EXPECT_GT(ratio, 0.6) << "said " << std::sqrt(said / count) << ", found " << std::sqrt(scatter / count);
+    EXPECT_LT(ratio, 1.7) << "said " << std::sqrt(said / count) << ", found " << std::sqrt(scatter / count);
 }
 
 /// The end of a bake whose light stage knows the parts: they are written, and sum to the lightmap.

@@ -143,9 +143,11 @@ std::vector<float> stored_irradiance(const std::filesystem::path& work) {
     for (std::uint32_t page = 0;; ++page) {
         const auto path = BakeFolder::lightmap_file(folder, page);
         if (!std::filesystem::exists(path)) return values;
-        const BlockFileReader file(path, FileKind::lightmap, 1);
-        const auto column = read_column<float>(file, 0);
-        values.insert(values.end(), column.begin(), column.end());
+        const BlockFileReader file(path, FileKind::lightmap, 2);
+        std::vector<float> sum = read_column<float>(file, 0);
+        const auto indirect = read_column<float>(file, 1);
+        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += indirect.at(k);
+        values.insert(values.end(), sum.begin(), sum.end());
     }
 }
 

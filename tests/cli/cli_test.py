@@ -194,7 +194,7 @@ class Usage(Case):
                 (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
                 (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
                 (["--interpolation", "cubic"], "cubic-bspline"), (["--aov", "albedo,beauty"], "direct, indirect, error, samples, albedo, normal, patch, chart, valid; found \"beauty\""),
-                (["--aov", ""], "--aov"), (["--aov", "albedo, valid"], "commas"), (["--aov", "direct"], "albedo,normal,patch,chart,valid"), (["--aov", "valid,samples"], '"samples" needs'), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
+                (["--aov", ""], "--aov"), (["--aov", "albedo, valid"], "commas"), (["--gather-rays", "0", "--aov", "direct"], "albedo,normal,patch,chart,valid"), (["--quality", "draft", "--aov", "valid,samples"], '"samples" needs'), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
                 (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
                 (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),
                 (["--store", "none", "--store-bytes", "1G"], "--store hot"), (["--store-bytes", "1G"], "--store hot"), (["--seed", "-1"], "--seed"),

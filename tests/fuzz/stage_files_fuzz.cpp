@@ -15,7 +15,7 @@ void again(FileKind kind, const std::filesystem::path& path, std::size_t count) 
     if (kind == FileKind::plan) save_plan(path, fuzz::key, *load_plan(path, fuzz::key, count));
     if (kind == FileKind::accuracy) save_accuracy(path, fuzz::key, *load_accuracy(path, fuzz::key, count));
     if (kind == FileKind::checkpoint) save_checkpoint(path, fuzz::key, *load_checkpoint(path, fuzz::key));
-    if (kind == FileKind::lightmap) save_lightmap(path, fuzz::key, *load_lightmap(path, fuzz::key, count));
+    if (kind == FileKind::lightmap) save_page_light(path, fuzz::key, *load_page_light(path, fuzz::key, count));
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     constexpr FileKind kinds[]{FileKind::closure, FileKind::solution, FileKind::plan, FileKind::accuracy,
                                FileKind::lightmap, FileKind::checkpoint};
     const FileKind kind = kinds[data[0] % std::size(kinds)];
-    const std::uint32_t version = kind == FileKind::checkpoint ? 2 : 1;
+    const std::uint32_t version = kind == FileKind::checkpoint || kind == FileKind::lightmap ? 2 : 1;
     const test::BlockContents contents = fuzz::contents_from({data + 2, size - 2}, kind, version);
     const auto path = fuzz::scratch_file(contents);
     if (!fuzz::accepts([&] { again(kind, path, data[1]); })) return 0;
