@@ -18,25 +18,11 @@ import sys
 import tempfile
 import time
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT = os.path.dirname(os.path.dirname(HERE))
-sys.path.insert(0, HERE)
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from interpreter import ROOT, SKIPPED, use_reference_python   # noqa: E402
 from truth_cases import CASES, GOALS   # noqa: E402
 
-SKIPPED = 77
 SHORT_POINTS, SHORT_SPP, SCALAR_SPP = 150, 8192, 256
-
-
-def use_reference_python():
-    """Goes on in the interpreter that has Mitsuba; a skipped test where there is none."""
-    python = os.environ.get("LUXEL_REFERENCE_PYTHON", os.path.join(ROOT, "build/deps/reference/bin/python"))
-    if os.environ.get("LUXEL_IN_REFERENCE_PYTHON"):
-        return
-    if not os.path.exists(python):
-        print(f"truth_test: skipped: {python} is not there; tools/setup.sh reference makes it")
-        sys.exit(SKIPPED)
-    os.environ["LUXEL_IN_REFERENCE_PYTHON"] = "1"
-    os.execv(python, [python, "-B", *sys.argv])
 
 
 def light_of(case):
@@ -75,8 +61,8 @@ def verdict(case, quality, short, figures):
             words.append(f"FAILED: {key} is above {limit:.2%}")
         elif not short and value > goal:
             words.append(f"{key} misses {goal:.1%}")
-        elif not short and limit > goal and figures["tracer"] != "stock":
-            words.append(f"{key} is met, so not `missed`")
+        elif not short and limit > goal and value < 0.9 * goal:
+            words.append(f"{key} is met: its line of `missed` can go")
     if figures["bad_values"]:
         good = False
         words.append(f"FAILED: {figures['bad_values']} values are not numbers")

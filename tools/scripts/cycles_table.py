@@ -25,6 +25,9 @@ import sys
 import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "tests/reference"))
+from interpreter import use_reference_python   # noqa: E402
+
 LEVELS = (0.20, 0.10, 0.05, 0.02, 0.01)
 UNLIT = [4.05, -1, -1, 9, 4, 6]   # the room without the lamp
 # scene file, side of a page, covered texels of Cycles, what is judged: title, name in cycles_results.md, points, spp, box, goals by level in seconds
@@ -37,18 +40,6 @@ SCENES = {
 LADDER = ["--quality draft --rays 32", "--quality draft", "--quality draft --gather-rays 8", "--quality draft --gather-rays 16",
           "--quality draft --gather-rays 32", "--quality draft --gather-rays 64", "--quality medium --gather-rays 64", "--quality medium",
           "--quality medium --gather-rays 256", "--quality high", "--quality high --gather-rays 2048"]
-
-
-def use_reference_python():
-    """Goes on in the interpreter that has Mitsuba."""
-    if os.environ.get("LUXEL_IN_REFERENCE_PYTHON"):
-        return
-    python = os.environ.get("LUXEL_REFERENCE_PYTHON")
-    if not python:
-        subprocess.run([os.path.join(ROOT, "tools/setup.sh"), "reference"], check=True)
-        python = os.path.join(ROOT, "build/deps/reference/bin/python")
-    os.environ["LUXEL_IN_REFERENCE_PYTHON"] = "1"
-    os.execv(python, [python, "-B", *sys.argv])
 
 
 def cycles_seconds(harness):
@@ -191,8 +182,10 @@ def main():
     missing = [f for f in ("make_scenes.py", "truth.py", "cycles_results.md") if not os.path.exists(os.path.join(harness, f))]
     if missing:
         sys.exit(f"cycles_table: the harness is not in {harness} (--harness); missing: {', '.join(missing)}")
+    if "LUXEL_REFERENCE_PYTHON" not in os.environ:
+        subprocess.run([os.path.join(ROOT, "tools/setup.sh"), "reference"], check=True)
     use_reference_python()
-    sys.path[:0] = [harness, os.path.join(ROOT, "tests/reference")]
+    sys.path.insert(0, harness)
     os.makedirs(work, exist_ok=True)
     results = []
     for name in options.only:
