@@ -155,18 +155,17 @@ def print_runs(title, rows):
               f"| {c['median']:.2%} | {c['p95']:.1%} | {c['truth_relSE']:.2%} | {', '.join(parts)} |")
 
 
-def print_summary(results, cycles):
-    print("\n### Seconds to an error\n\n| scene | judged at | baker | " + " | ".join(f"{level:.0%}" for level in LEVELS) + " |\n" + "|---" * 8 + "|")
-    for judged, rows in results:
-        for footprint, words in (("center", "centre"), ("texel", "texel mean")):
-            for oidn, baker in (("off", "Cycles"), ("lightmap", "Cycles, denoised")):
-                cells = cycles.get((judged[1], oidn, footprint))
-                if cells:
-                    print(f"| {judged[0]} | {words} | {baker} | " + " | ".join(cells) + " |")
-            for key, share, baker in (("wall", 1, "luxel"), ("processor", 2, "luxel, processor s / 2")):
-                runs = [(run[key] / share, f[footprint]["relRMSE_net"]) for run, f in rows]
-                print(f"| {judged[0]} | {words} | {baker} | " + " | ".join(seconds_to(runs, level) for level in LEVELS) + " |")
-        print(f"| {judged[0]} | | goal of luxel | " + " | ".join(f"{judged[5][v]:g}" if v in judged[5] else "" for v in LEVELS) + " |")
+def print_summary(judged, rows, cycles):
+    print(f"\n| {judged[0]}: seconds to an error | judged at | " + " | ".join(f"{level:.0%}" for level in LEVELS) + " |\n" + "|---" * 7 + "|")
+    for footprint, words in (("center", "centre"), ("texel", "texel mean")):
+        for oidn, baker in (("off", "Cycles"), ("lightmap", "Cycles, denoised")):
+            cells = cycles.get((judged[1], oidn, footprint))
+            if cells:
+                print(f"| {baker} | {words} | " + " | ".join(cells) + " |")
+        for key, share, baker in (("wall", 1, "luxel"), ("processor", 2, "luxel, processor s / 2")):
+            runs = [(run[key] / share, f[footprint]["relRMSE_net"]) for run, f in rows]
+            print(f"| {baker} | {words} | " + " | ".join(seconds_to(runs, level) for level in LEVELS) + " |")
+    print("| goal of luxel | | " + " | ".join(f"{judged[5][v]:g}" if v in judged[5] else "" for v in LEVELS) + " |", flush=True)
 
 
 def main():
@@ -187,7 +186,7 @@ def main():
     use_reference_python()
     sys.path.insert(0, harness)
     os.makedirs(work, exist_ok=True)
-    results = []
+    cycles = cycles_seconds(harness)
     for name in options.only:
         side, texels, tables = SCENES[name]
         scene, density = prepared(harness, name, texels, work)
@@ -198,10 +197,8 @@ def main():
                 break
         for judged in tables:
             rows = [(run, errors(scene, run["judged"], judged, os.path.join(work, "cache"))) for run in runs]
-            results.append((judged, rows))
             print_runs(judged[0], rows)
-            sys.stdout.flush()
-    print_summary(results, cycles_seconds(harness))
+            print_summary(judged, rows, cycles)
 
 
 if __name__ == "__main__":
