@@ -37,9 +37,11 @@ CASES = [
          missed={"medium": {"p95": 0.145}, "high": {"p95": 0.053}}),   # measured 13.6 % and 5.0 %
     Case("glass_room", "samples/glass_room/glass_room.gltf", SAMPLE, spp=65536,
          missed={"high": {"bias": 0.0065}}),                           # measured -0.55 %
-    Case("staircase", "{scenes}/staircase/staircase.glb"),
+    Case("staircase", "{scenes}/staircase/staircase.glb", spp=16384,
+         missed={"medium": {"median": 0.028, "p95": 0.31}}),           # measured 2.58 % and 29.0 %; high: not measured yet
     Case("lq-e1m1", "{scenes}/lq-e1m1/lq_e1m1.glb", spp=65536,
          # measured with 16,384 paths, whose own p95 is 12.1 %: 26.0 % at medium; 1.08 %, 21.4 % and -1.08 % at high
          missed={"medium": {"p95": 0.28}, "high": {"median": 0.012, "p95": 0.235, "bias": 0.0125}}),
+    # not measured yet at any quality
     Case("living-room", "{scenes}/living-room/living-room.glb", "", SKY),
 ]
