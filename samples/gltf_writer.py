@@ -108,16 +108,29 @@ class Gltf:
         if extension not in self.extensions:
             self.extensions.append(extension)
 
-    def mask(self, material, picture, cutoff=0.5):
-        """Cuts holes where alpha of the picture (PNG bytes, repeated) is below the cutoff; its colours count too."""
+    def _picture(self, picture):
+        """A texture of PNG bytes, repeated; returns its index."""
         while len(self.blob) % 4:
             self.blob.append(0)
         self.views.append({"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(picture)})
         self.blob += picture
         self.images.append({"bufferView": len(self.views) - 1, "mimeType": "image/png"})
-        entry = self.materials[material]
-        entry["pbrMetallicRoughness"]["baseColorTexture"] = {"index": len(self.images) - 1}
-        entry.update(alphaMode="MASK", alphaCutoff=cutoff)
+        return len(self.images) - 1
+
+    def paint(self, material, picture):
+        """Multiplies the reflectance by a picture (PNG bytes, sRGB); returns the material."""
+        self.materials[material]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": self._picture(picture)}
+        return material
+
+    def mask(self, material, picture, cutoff=0.5):
+        """Cuts holes where alpha of the picture (PNG bytes, repeated) is below the cutoff; its colours count too."""
+        self.paint(material, picture)
+        self.materials[material].update(alphaMode="MASK", alphaCutoff=cutoff)
+        return material
+
+    def shine(self, material, picture):
+        """Multiplies the luminance of an emissive material by a picture (PNG bytes, sRGB); returns the material."""
+        self.materials[material]["emissiveTexture"] = {"index": self._picture(picture)}
         return material
 
     def glass(self, material, transmission=1.0):

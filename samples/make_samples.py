@@ -213,6 +213,35 @@ def glass_room(_):
     return gltf
 
 
+def checks(size, squares, first, second):
+    """A square PNG of squares x squares fields in two sRGB colours by turns."""
+    each = size // squares
+    return png(size, size, b"".join(bytes((*(first if (x // each + y // each) % 2 else second), 255))
+                                    for y in range(size) for x in range(size)))
+
+
+def painted_room(_):
+    """A closed room of 4 x 2.7 x 5 m with patterns on all sides, lit by a sign whose picture shines."""
+    gltf = Gltf()
+    stripes = png(16, 16, b"".join(bytes((*((225, 190, 90) if x < 8 else (120, 40, 30)), 255)) for _ in range(16) for x in range(16)))
+    wall = gltf.paint(gltf.material("wallpaper", (0.9, 0.9, 0.9)), stripes)
+    tiles = gltf.paint(gltf.material("tiles", (0.8, 0.8, 0.8)), checks(32, 2, (240, 240, 230), (40, 45, 60)))
+    ceiling = gltf.material("ceiling", (0.75, 0.75, 0.75))
+    gltf.piece("floor", [rectangle(1, 0.0, (0, 0), (4, 5), 1)], tiles, uv=lambda p: (p[0], p[2]))
+    gltf.piece("ceiling", [rectangle(1, 2.7, (0, 0), (4, 5), -1)], ceiling)
+    for name, axis, at, high, sign in (("minus_x", 0, 0.0, (2.7, 5), 1), ("plus_x", 0, 4.0, (2.7, 5), -1)):
+        gltf.piece("wall_" + name, [rectangle(axis, at, (0, 0), high, sign)], wall, uv=lambda p: (2 * p[2], p[1]))
+    for name, axis, at, high, sign in (("minus_z", 2, 0.0, (4, 2.7), 1), ("plus_z", 2, 5.0, (4, 2.7), -1)):
+        gltf.piece("wall_" + name, [rectangle(axis, at, (0, 0), high, sign)], wall, uv=lambda p: (2 * p[0], p[1]))
+    gltf.piece("chest", box((2.6, 0, 3.2), (3.6, 0.9, 3.9), ("-y",)), ceiling)
+    # the sign: 8 x 4 fields, a third of them dark, the others in three colours
+    colours = ((255, 240, 200), (255, 90, 60), (0, 0, 0), (80, 130, 255), (255, 240, 200), (0, 0, 0))
+    fields = png(64, 32, b"".join(bytes((*colours[(x // 8 + 3 * (y // 8)) % 6], 255)) for y in range(32) for x in range(64)))
+    sign = gltf.shine(gltf.material("sign", (0.1, 0.1, 0.1), (600, 600, 600)), fields)
+    gltf.piece("sign", [rectangle(0, 0.02, (1.2, 1.5), (2.2, 3.5), 1)], sign, uv=lambda p: ((3.5 - p[2]) / 2, 2.2 - p[1]))
+    return gltf
+
+
 def furnished_rooms(columns, rows, lit):
     """Furnished rooms as in the corridors; lit(i, j) says which have a lamp."""
     gltf = Gltf()
@@ -235,6 +264,7 @@ SAMPLES = {
     "two_rooms": two_rooms,
     "fence": fence,
     "glass_room": glass_room,
+    "painted_room": painted_room,
     "corridor_4": lambda _: corridor(2, 2),
     "corridor_16": lambda _: corridor(4, 4),
     "corridor_64": lambda _: corridor(8, 8),

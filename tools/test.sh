@@ -13,6 +13,7 @@ if [ "${1:-}" = --all ]; then
     shift
 fi
 "$root/tools/setup.sh" test
+[ -n "${LUXEL_REFERENCE_PYTHON:-}" ] || "$root/tools/setup.sh" reference   # lightmaps are held against Mitsuba
 "$root/tools/build.sh" dev
 export PYTHONDONTWRITEBYTECODE=1
 exec ctest --test-dir "$root/build/dev" --output-on-failure --parallel "$(nproc)" "${selection[@]}" "$@"

@@ -9,6 +9,8 @@ import urllib.parse
 
 import numpy as np
 
+LATTICE = (0.7548776662466927, 0.5698402909980532)   # 1/p, 1/p^2 of the plastic number p: M. Roberts, the R2 sequence
+
 
 def read_exr(path):
     import OpenImageIO as oiio
@@ -126,10 +128,12 @@ class Footprint:
         self.page, self.x, self.y, self.area = page, x, y, float(sum(areas))
         if self.area <= 0:
             return
-        # stratified by area: the k-th point lies in the k-th part of the running sum
-        along = (np.arange(places) + noise.random(places)) / places * self.area
-        pick = np.minimum(np.searchsorted(np.cumsum(areas), along), len(areas) - 1)
-        root, v = np.sqrt(noise.random(places)), noise.random(places)
+        # the plastic-number lattice, shifted: one coordinate runs along the areas and then within the triangle it has met;
+        # in random order, because the paths take their directions from the same lattice
+        u, v = (np.array(LATTICE)[:, None] * noise.permutation(places) + noise.random((2, 1))) % 1
+        end, along = np.cumsum(areas), u * self.area
+        pick = np.minimum(np.searchsorted(end, along), len(areas) - 1)
+        root = np.sqrt(np.clip(1 - (end[pick] - along) / np.array(areas)[pick], 0, 1))
         inner = np.stack([1 - root, root * (1 - v), root * v], 1)
         self.triangles = np.array(triangles)[pick]
         self.weights = np.einsum("nk,nkc->nc", inner, np.array(shapes)[pick])

@@ -22,7 +22,7 @@ class Light:
 
     def emitter(self):
         """A dictionary for Mitsuba, or None."""
-        from pathtrace import mi
+        import mitsuba as mi   # the variant is the caller's choice
         if self.sky_color:
             return {"type": "constant", "radiance": {"type": "rgb", "value": [c * self.sky_scale for c in self.sky_color]}}
         if not self.sky:

@@ -432,7 +432,14 @@ class Tracer:
 
     def buried(self, points, flat, seed=0, rays=64):
         """Share of cosine rays from each point (N, 3) that meet the back of a surface which has none to show."""
-        noise = np.random.default_rng([seed, 77])
+        share = np.zeros(len(points))
+        step = max(1, LANES // rays)
+        for first in range(0, len(points), step):
+            share[first:first + step] = self._backs(points[first:first + step], flat[first:first + step], [seed, 77, first], rays)
+        return share
+
+    def _backs(self, points, flat, seed, rays):
+        noise = np.random.default_rng(seed)
         start = np.repeat((points - self.centre) / self.half + flat * OFFSET, rays, 0)
         normal = vectors(np.repeat(flat, rays, 0))
         u = noise.random((2, len(start)))

@@ -12,23 +12,26 @@ Prints JSON (and writes PREFIX.json, PREFIX.npz):
   relRMSE_net    the same without the share that is the reference's own noise
   bias, bias_se  mean b / mean t - 1, and its standard error from the reference
   noise          root mean square standard error of the truth, relative to the mean truth
+  noise_median, noise_p95   what median and p95 would be if the bake were right and only the truth were noisy
   points, buried, area_ratio   compared texels; texels left out as inside solids; area of BAKED over area of SCENE
 """
 import argparse
 import json
 import os
+import subprocess
 import sys
 import time
 
 import numpy as np
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, HERE)
 import gltf_scene   # noqa: E402
 import lightmap     # noqa: E402
 import lights       # noqa: E402
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-PLACES = 64          # points of a texel
+PLACES = 256         # points of a texel: its part in a sharp shadow is then right to about 1 %
 BURIED_SHARE = 0.5   # a point is inside a solid when more of its view is backs
 
 
@@ -60,35 +63,67 @@ def figures(baked, truth, error):
     if mean <= 0:
         return {"mean_truth": 0.0, "mean_baked": float(baked.mean()), "points": len(truth)}
     b, t = baked @ LUMINANCE, truth @ LUMINANCE
-    relative = np.abs(b - t) / np.maximum(t, 0.01 * t.mean())
+    scale = np.maximum(t, 0.01 * t.mean())
+    relative = np.abs(b - t) / scale
+    own_relative = np.abs(np.random.default_rng(0).normal(size=len(t))) * (error @ LUMINANCE) / scale
     square, own = ((baked - truth) ** 2).mean(), (error ** 2).mean()
     return {"median": float(np.median(relative)), "p95": float(np.quantile(relative, 0.95)),
+            "noise_median": float(np.median(own_relative)), "noise_p95": float(np.quantile(own_relative, 0.95)),
             "relRMSE": float(np.sqrt(square) / mean), "relRMSE_net": float(np.sqrt(max(square - own, 0)) / mean),
             "bias": float(baked.mean() / mean - 1), "bias_se": float(np.sqrt((error.mean(1) ** 2).sum()) / len(truth) / mean),
             "noise": float(np.sqrt(own) / mean), "mean_truth": float(mean), "mean_baked": float(baked.mean()),
             "points": len(truth)}
 
 
-def compare(scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading", light=lights.Light(), blend_colours=False):
-    """Returns the figures, and the arrays they come from."""
-    import pathtrace
-    baked_scene = gltf_scene.Scene(baked_path)
-    maps = lightmap.Lightmaps(baked_scene, baked_path)
-    truth_scene, origin = load_truth_scene(scene_path, baked_path, light)
-    tracer = pathtrace.Tracer(truth_scene, light.emitter(), blend_colours)
-    chosen, buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
-    baked = np.array([maps.value(f.page, f.x, f.y) for f in chosen])
-    flat = np.array([f.flat for f in chosen])
-    facing = np.array([f.normals for f in chosen]) if normals == "shading" else flat
-    truth, error = tracer.irradiance(np.array([f.points for f in chosen]), flat, facing, spp, seed)
-    result = {"scene": os.path.basename(scene_path), "baked": os.path.basename(baked_path), "geometry": origin, "spp": spp,
-              **figures(baked, truth, error), "buried": buried,
-              "area_ratio": float(baked_scene.areas.sum() / truth_scene.areas.sum()), "pages": maps.sources,
-              "bad_values": int(sum((~np.isfinite(p)).sum() for p in maps.pages))}
-    arrays = {"baked": baked, "truth": truth, "error": error, "page": np.array([f.page for f in chosen]),
-              "x": np.array([f.x for f in chosen]), "y": np.array([f.y for f in chosen]),
-              "position": np.array([f.points.mean(0) for f in chosen])}
-    return result, arrays, maps
+def path_tracer():
+    """The module whose Tracer this machine can run: pathtrace, or stock where Mitsuba's llvm variant does not work. Tried in
+    a process of its own, because an LLVM that is too old ends the process."""
+    code = "import pathtrace as p; r = p.mi.PCG32(size=4); assert p.dr.all(r.next_float32() < 1)"
+    tried = subprocess.run([sys.executable, "-B", "-c", code], cwd=HERE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    if tried.returncode == 0:
+        import pathtrace
+        return pathtrace
+    print("reference: llvm_ad_rgb does not work here (Debian: libllvm19); scalar_rgb is used, which is slow", file=sys.stderr)
+    import stock
+    return stock
+
+
+class Truth:
+    """Random valid texels of a bake, and the path traced irradiance there. Holds for every bake with the same charts."""
+
+    def __init__(self, scene_path, baked_path, points=1000, spp=4096, seed=0, normals="shading", light=lights.Light(),
+                 blend_colours=False, module=None):
+        maps = lightmap.Lightmaps(gltf_scene.Scene(baked_path), baked_path)
+        module = module or path_tracer()
+        self.scene, self.origin = load_truth_scene(scene_path, baked_path, light)
+        self.name, self.spp, self.tracer_name = os.path.basename(scene_path), spp, module.__name__
+        tracer = module.Tracer(self.scene, light.emitter(), blend_colours)
+        chosen, self.buried = keep_open_points(tracer, lightmap.choose_texels(maps, points, PLACES, seed), seed)
+        flat = np.array([f.flat for f in chosen])
+        facing = np.array([f.normals for f in chosen]) if normals == "shading" else flat
+        self.value, self.error = tracer.irradiance(np.array([f.points for f in chosen]), flat, facing, spp, seed)
+        self.page, self.x, self.y = (np.array([getattr(f, key) for f in chosen]) for key in ("page", "x", "y"))
+        self.position, self.uv, self.pages = np.array([f.points.mean(0) for f in chosen]), maps.uv, maps.page
+
+    def against(self, baked_path):
+        """The figures of a bake, the arrays they come from, its lightmaps."""
+        scene = gltf_scene.Scene(baked_path)
+        maps = lightmap.Lightmaps(scene, baked_path)
+        if not (np.array_equal(maps.page, self.pages) and np.array_equal(maps.uv, self.uv)):
+            raise ValueError(f"{baked_path}: other charts than those the truth was made for")
+        baked = np.array([maps.value(*at) for at in zip(self.page, self.x, self.y)])
+        result = {"scene": self.name, "baked": os.path.basename(baked_path), "geometry": self.origin, "tracer": self.tracer_name,
+                  "spp": self.spp, **figures(baked, self.value, self.error), "buried": self.buried,
+                  "area_ratio": float(scene.areas.sum() / self.scene.areas.sum()), "pages": maps.sources,
+                  "bad_values": int(sum((~np.isfinite(p)).sum() for p in maps.pages))}
+        arrays = {"baked": baked, "truth": self.value, "error": self.error, "page": self.page, "x": self.x, "y": self.y,
+                  "position": self.position}
+        return result, arrays, maps
+
+
+def compare(scene_path, baked_path, *arguments, **options):
+    """Returns the figures, and the arrays they come from; arguments as Truth has them."""
+    return Truth(scene_path, baked_path, *arguments, **options).against(baked_path)
 
 
 def error_map(path, maps, arrays, width=480):
