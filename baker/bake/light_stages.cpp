@@ -122,7 +122,7 @@ class PageLighter {
 };
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 7")
+    return KeyBuilder("light 8")
         .key(solution)
         .integer(options.gather_rays)
         .integer(options.share_texels)
