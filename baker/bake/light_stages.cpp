@@ -11,7 +11,7 @@ namespace luxel {
 namespace {
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 8")
+    return KeyBuilder("light 9")
         .key(solution)
         .integer(options.gather_rays)
         .integer(options.share_texels)

@@ -14,7 +14,8 @@
 #include "baker/light/near_light.h"
 #include "baker/light/sky_gather.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/patches/smooth_rise.h"
+#include "baker/trace/smooth_start.h"
 
 namespace luxel {
 namespace {
@@ -130,12 +131,10 @@ class TexelGather {
                 shares.cosine_rays + shares.aimed_rays + shares.sky_rays + near.ray_count()};
     }
 
-    void push(TexelRays& batch, const SurfacePoint& at, const Vec3f& direction, float cosine, float density,
-              std::uint32_t number) const {
+    void push(TexelRays& batch, const TraceRay& ray, float cosine, float density, std::uint32_t number) const {
         batch.number[batch.count] = number;
         batch.density[batch.count] = density;
-        batch.rays[batch.count] = {offset_origin(at.position, at.normal, in_.scene.corner_extent(at.triangle)), direction,
-                                   at.triangle};
+        batch.rays[batch.count] = ray;
         batch.cosine[batch.count++] = cosine;
     }
 
@@ -157,7 +156,7 @@ class TexelGather {
             const Vec3f local = cosine_direction(bent.u, bent.v);
             const Vec3f direction = guide_frame(shares.frame, sampler.shading_normal(at)).to_world(local);
             // Below the true surface there is only the inside of the object.
-            if (direction.dot(at.normal) > 0) push(batch, at, direction, local.z, bent.density, begin + k);
+            if (const auto ray = leave_towards(in_.scene, in_.tracer, at, direction)) push(batch, *ray, local.z, bent.density, begin + k);
         }
         trace(batch);
         return weights;
@@ -177,9 +176,12 @@ class TexelGather {
             if (!(distance > 0)) continue;
             const Vec3f direction = to / distance;
             const Vec3f local = guide_frame(shares.frame, sampler.shading_normal(at)).to_local(direction);
-            if (local.z <= 0 || direction.dot(at.normal) <= 0 || direction.dot(target.point.normal) >= 0) continue;
+            if (local.z <= 0 || direction.dot(target.point.normal) >= 0) continue;
+            auto ray = leave_towards(in_.scene, in_.tracer, at, direction);
+            if (!ray) continue;
+            if (ray->from_triangle == none) ray->direction = (target.point.position - ray->origin).normalized();
             batch.target[batch.count] = target;
-            push(batch, at, direction, local.z, shares.warp.density(local), shares.cosine_rays + k);
+            push(batch, *ray, local.z, shares.warp.density(local), shares.cosine_rays + k);
         }
         trace(batch);
     }
@@ -226,7 +228,8 @@ class TexelGather {
             const auto u = sequence.point(k);
             const SurfacePoint at = sampler.point(u[0], u[1]);
             const auto on_lamp = on_lamps.point(k);
-            sum += lamps_.irradiance({at.position, at.normal, sampler.shading_normal(at), at.triangle}, u[2], {on_lamp[0], on_lamp[1]});
+            const Vec3f rise = smooth_rise(in_.scene, at.triangle, at.barycentric);
+            sum += lamps_.irradiance({at.position, at.normal, sampler.shading_normal(at), at.triangle, rise}, u[2], {on_lamp[0], on_lamp[1]});
         }
         return sum / static_cast<float>(options_.lamp_points);
     }

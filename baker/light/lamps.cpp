@@ -85,22 +85,30 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
     return lamp.intensity * beam(lamp, to_lamp, d, cosine / d2);
 }
 
+std::optional<TraceRay> LampLight::leave(const LightPoint& at, const Vec3f& direction) const {
+    return leave_towards(scene_, tracer_, RayStart{at.position, at.geometric_normal, at.triangle, at.rise}, direction);
+}
+
 Rgb LampLight::transmittance(const Lamp& lamp, const LightPoint& at) const {
-    TraceRay ray;
-    ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
-    ray.from_triangle = at.triangle;
-    float distance = INFINITY;
-    if (lamp.kind == LampKind::directional) {
-        ray.direction = -lamp.direction;
-    } else {
-        const Vec3f to_lamp = lamp.position - ray.origin;
-        distance = to_lamp.length();
+    Vec3f direction = -lamp.direction;
+    if (lamp.kind != LampKind::directional) {
+        const Vec3f start = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
+        direction = lamp.position - start;
+        const float distance = direction.length();
         if (!(distance > 0)) return {1, 1, 1};
-        ray.direction = to_lamp / distance;
+        direction /= distance;
     }
     // A lamp behind the surface itself cannot light it, whatever the shading normal says.
-    if (ray.direction.dot(at.geometric_normal) <= 0) return {0, 0, 0};
-    return tracer_.transmittance(ray, distance);
+    std::optional<TraceRay> ray = leave(at, direction);
+    if (!ray) return {0, 0, 0};
+    float distance = INFINITY;
+    if (lamp.kind != LampKind::directional) {
+        const Vec3f to_lamp = lamp.position - ray->origin;
+        distance = to_lamp.length();
+        if (!(distance > 0)) return {1, 1, 1};
+        ray->direction = to_lamp / distance;
+    }
+    return tracer_.transmittance(*ray, distance);
 }
 
 Rgb LampLight::arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const {
@@ -115,9 +123,6 @@ Rgb LampLight::arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at
 Rgb LampLight::sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lamp) const {
     const SizedView view = view_of(lamp, at.position);
     const Frame frame(view.inside() ? at.shading_normal : view.axis);
-    TraceRay ray;
-    ray.origin = offset_origin(at.position, at.geometric_normal, scene_.corner_extent(at.triangle));
-    ray.from_triangle = at.triangle;
     Rgb sum(0, 0, 0);
     static_assert(size_samples == 4);
     for (int k = 0; k < size_samples; ++k) {
@@ -125,17 +130,19 @@ Rgb LampLight::sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lam
         Vec3f local = cosine_direction(0.5f * (static_cast<float>(k & 1) + on_lamp.x), 0.5f * (static_cast<float>(k >> 1) + on_lamp.y));
         local.x *= view.sine, local.y *= view.sine;
         local.z = std::sqrt(std::max(1e-12f, 1 - local.x * local.x - local.y * local.y));
-        ray.direction = frame.to_world(local).normalized();
-        const float cosine = ray.direction.dot(at.shading_normal);
-        if (cosine <= 0 || ray.direction.dot(at.geometric_normal) <= 0) continue;
+        const Vec3f direction = frame.to_world(local).normalized();
+        const float cosine = direction.dot(at.shading_normal);
+        if (cosine <= 0) continue;
+        const std::optional<TraceRay> ray = leave(at, direction);
+        if (!ray) continue;
         float distance = INFINITY;
         if (lamp.kind != LampKind::directional) {
             const Vec3f to_lamp = lamp.position - at.position;
-            const float along = to_lamp.dot(ray.direction);
-            const float half_chord = std::sqrt(std::max(0.0f, lamp.radius * lamp.radius - (to_lamp - ray.direction * along).length2()));
+            const float along = to_lamp.dot(direction);
+            const float half_chord = std::sqrt(std::max(0.0f, lamp.radius * lamp.radius - (to_lamp - direction * along).length2()));
             distance = view.inside() ? along + half_chord : along - half_chord;
         }
-        sum += tracer_.transmittance(ray, distance) * (view.inside() ? 1.0f : cosine / local.z);
+        sum += tracer_.transmittance(*ray, distance) * (view.inside() ? 1.0f : cosine / local.z);
     }
     return view.perpendicular * sum / static_cast<float>(size_samples);
 }

@@ -10,10 +10,11 @@
 ///               angle of a cone, cut by the horizon as in Snyder, Area Light Sources for Real-Time Graphics, 1996.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "baker/scene/scene.h"
-#include "baker/trace/tracer.h"
+#include "baker/trace/smooth_start.h"
 
 namespace luxel {
 
@@ -22,6 +23,7 @@ struct LightPoint {
     Vec3f geometric_normal;  ///< unit: shadow rays leave to this side
     Vec3f shading_normal;    ///< unit: the cosine is taken against it
     std::uint32_t triangle = none;
+    Vec3f rise{0, 0, 0};  ///< smooth_rise() where the shading normal is the smooth surface's, m: shadow rays that graze start there
 };
 
 /// Irradiance of one lamp without shadows, lux.
@@ -51,6 +53,8 @@ class LampLight {
     [[nodiscard]] Rgb sized(const Lamp& lamp, const LightPoint& at, const Vec2f& on_lamp) const;
     /// What is left of `light` of a lamp after all that stands between.
     [[nodiscard]] Rgb arriving(const Rgb& light, const Lamp& lamp, const LightPoint& at) const;
+    /// Nothing if the direction leads into the object.
+    [[nodiscard]] std::optional<TraceRay> leave(const LightPoint& at, const Vec3f& direction) const;
     /// 0..1 per channel.
     [[nodiscard]] Rgb transmittance(const Lamp& lamp, const LightPoint& at) const;
     const Scene& scene_;

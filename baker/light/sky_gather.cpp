@@ -5,6 +5,7 @@
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
 #include "baker/trace/ray_offset.h"
+#include "baker/trace/smooth_start.h"
 
 namespace luxel {
 namespace {
@@ -37,10 +38,11 @@ void add_aimed_sky(const GatherInput& input, const SurfaceSampler& sampler, cons
         const Sky::Sample aim = input.sky->sample(w[0], w[1]);
         const Vec3f local = guide_frame(frame, sampler.shading_normal(at)).to_local(aim.direction);
         const float cosine = local.z;
-        if (cosine <= 0 || aim.direction.dot(at.normal) <= 0) continue;
-        const TraceRay ray{offset_origin(at.position, at.normal, input.scene.corner_extent(at.triangle)), aim.direction, at.triangle};
+        if (cosine <= 0) continue;
+        const std::optional<TraceRay> ray = leave_towards(input.scene, input.tracer, at, aim.direction);
+        if (!ray) continue;
         sum.add(balanced(*input.sky, aim.direction, cosine, static_cast<float>(cosine_rays) * warp.density(local), aimed_rays, aim.density),
-                input.tracer.transmittance(ray, INFINITY));
+                input.tracer.transmittance(*ray, INFINITY));
     }
 }
 

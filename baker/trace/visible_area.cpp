@@ -2,32 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "baker/core/parallel.h"
-#include "baker/core/sampling.h"
-#include "baker/core/sobol.h"
 #include "baker/patches/fragment_polygon.h"
 #include "baker/patches/texel_means.h"
+#include "baker/trace/hidden_point.h"
 #include "baker/trace/ray_offset.h"
 
 namespace luxel {
 namespace {
-
-/// A point that one tenth of its half space lights is missed by all of them with a chance of 3 %.
-constexpr std::size_t enclosed_rays = 32;
-/// Where some find the open, the point is not enclosed: only fronts with less than a hundredth of its light are missed.
-constexpr std::size_t probe_rays = 256;
-
-std::array<Vec3f, probe_rays> probe_directions() {
-    const SobolSequence sequence(0x76697369626c65);  // any: one fixed set serves all points
-    std::array<Vec3f, probe_rays> directions;
-    for (std::size_t k = 0; k < probe_rays; ++k) {
-        const auto u = sequence.point(static_cast<std::uint32_t>(k));
-        directions[k] = cosine_direction(u[0], u[1]);
-    }
-    return directions;
-}
 
 /// How far from the border of a fragment it is looked at, as a share of its width. On the border its neighbours touch it.
 constexpr float border = 1.0f / 256;
@@ -44,7 +27,7 @@ constexpr float line_place(std::uint32_t k) { return inside_border(static_cast<f
 class FragmentProbe {
   public:
     FragmentProbe(const Scene& scene, const Tracer& tracer, float near_m, float texel_m)
-        : scene_(scene), tracer_(tracer), near_m_(near_m), small_m2_(small_fragment * texel_m * texel_m), directions_(probe_directions()) {}
+        : scene_(scene), tracer_(tracer), small_m2_(small_fragment * texel_m * texel_m), hidden_(scene, tracer, near_m) {}
 
     void probe(const FragmentPolygon& polygon, Fragment& fragment) const {
         const std::uint32_t triangle = fragment.triangle;
@@ -162,47 +145,13 @@ class FragmentProbe {
     }
 
     [[nodiscard]] bool is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
-        return side_is_hidden(at, triangle, normal) &&
-               (!scene_.material_of(triangle).double_sided || side_is_hidden(at, triangle, -normal));
-    }
-
-    [[nodiscard]] bool side_is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
-        const Vec3f origin = start(at, triangle, normal);
-        const Frame frame(normal);
-        bool open = false;
-        float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
-        for (std::size_t k = 0; k < (open ? probe_rays : enclosed_rays); ++k) {
-            // Under the open sky with no back near: nothing encloses the point, whatever the other rays meet.
-            if (k == enclosed_rays && !(nearest <= near_m_)) return false;
-            const TraceHit hit = tracer_.first_hit({origin, frame.to_world(directions_[k]), triangle});
-            if (hit.triangle == none) {
-                open = true;
-                continue;
-            }
-            const Material& met = scene_.material_of(hit.triangle);
-            // What can be seen through is no solid's inside, whichever side it shows.
-            if (hit.front || met.double_sided || met.is_see_through()) return false;
-            nearest = std::min(nearest, hit.distance_m), farthest = std::max(farthest, hit.distance_m);
-        }
-        return !sees_lamp(origin, triangle, normal, open ? std::numeric_limits<float>::infinity() : 2 * farthest);
-    }
-
-    /// `reach`: lamps farther away than this lie outside of what encloses the point, m.
-    [[nodiscard]] bool sees_lamp(const Vec3f& origin, std::uint32_t triangle, const Vec3f& normal, float reach) const {
-        for (const Lamp& lamp : scene_.lamps) {
-            const bool far = lamp.kind == LampKind::directional;
-            const Vec3f to = far ? -lamp.direction : lamp.position - origin;
-            const float distance = far ? std::numeric_limits<float>::infinity() : to.length();
-            if (to.dot(normal) <= 0 || distance > reach) continue;
-            if (tracer_.transmittance({origin, to.normalized(), triangle}, distance) != Rgb(0, 0, 0)) return true;
-        }
-        return false;
+        return hidden_.is_hidden(at, triangle, normal);
     }
 
     const Scene& scene_;
     const Tracer& tracer_;
-    float near_m_, small_m2_;
-    std::array<Vec3f, probe_rays> directions_;
+    float small_m2_;
+    HiddenPoints hidden_;
 };
 
 }  // namespace

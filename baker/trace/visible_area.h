@@ -1,18 +1,14 @@
 /// Which parts of the surface lie inside solids or behind walls, where nobody sees them and no light comes: they must not
 /// count as area, else objects that intersect get dark seams.
 ///
-/// A point is hidden when the rays of its half space meet nothing but backs of one-sided surfaces, or leave the scene
-/// while such a back is near (what sticks out behind the wall of a room), and no lamp reaches it. Nothing less will do: one
-/// front, or one back of a surface that is two-sided or lets light through, and the point stays. Of a two-sided surface a point is hidden when both of
-/// its sides are. Surfaces in front of a single-sided plane's back are therefore hidden only within near_m of it, and only
-/// where they see no front at all.
+/// Which points are hidden: hidden_point.h.
 ///
-/// Found per fragment. Most take one ray: short segments just above the surface tell whether anything cuts it; where
+/// Found per fragment. Most take a few rays at one point: short segments just above the surface tell whether anything cuts it; where
 /// nothing does, one point stands for all. Of the others the corners of the 4 x 4 cells (patches/visible_cells.h) are
 /// examined, and 4 x 4 points of cells with a visible one: they make the area (trapezoidal rule), and a cell is one to
 /// start from when all of its points are visible. Fragments below a sixteenth of a texel are one cell of 3 x 3 points. The outermost
 /// points lie a 256th of the fragment inside its border; what is narrower than that is not found.
-/// Threads: uses them all. A pure function of geometry and of where lamps are; errors: none.
+/// Threads: uses them all. A pure function of geometry, of what shines and of where lamps are; errors: none.
 #pragma once
 #include "baker/patches/texels.h"
 #include "baker/trace/tracer.h"

@@ -93,6 +93,31 @@ inline MadeMesh icosphere(int levels, float radius) {
     return mesh;
 }
 
+/// A sphere of triangles between meridians and circles of latitude, two poles, corners on the sphere; fronts outwards.
+inline MadeMesh uv_sphere(std::uint32_t meridians, std::uint32_t circles, float radius) {
+    MadeMesh mesh;
+    const auto corner = [&](std::uint32_t row, std::uint32_t column) {  // of the circles between the poles
+        return row == 0 ? 0u : row == circles ? 1u : 2 + (row - 1) * meridians + column % meridians;
+    };
+    mesh.positions = {{0, radius, 0}, {0, -radius, 0}};
+    constexpr float pi_f = 3.14159265f;
+    for (std::uint32_t row = 1; row < circles; ++row)
+        for (std::uint32_t column = 0; column < meridians; ++column) {
+            const float down = pi_f * static_cast<float>(row) / static_cast<float>(circles),
+                        around = 2 * pi_f * static_cast<float>(column) / static_cast<float>(meridians);
+            mesh.positions.push_back(
+                Vec3f(std::sin(down) * std::cos(around), std::cos(down), std::sin(down) * std::sin(around)) * radius);
+        }
+    for (std::uint32_t row = 0; row < circles; ++row)
+        for (std::uint32_t column = 0; column < meridians; ++column) {
+            const std::uint32_t a = corner(row, column), b = corner(row, column + 1), c = corner(row + 1, column + 1),
+                                d = corner(row + 1, column);
+            if (row > 0) mesh.triangles.push_back({a, b, c});
+            if (row + 1 < circles) mesh.triangles.push_back({a, c, d});
+        }
+    return mesh;
+}
+
 /// `count` rooms of 4 x 2.5 x 4 m beside each other along x, walls of 0.25 m between them with a door of 1 x 2 m; room k
 /// begins at x = 4.25 k and has its half of each passage.
 inline std::vector<MadeMesh> rooms_in_a_row(int count) {

@@ -200,6 +200,55 @@ TEST(VisibleArea, CoplanarDecal) {
     expect_all_visible(*made);
 }
 
+/// A post inside of a box, and boxes that cut each other: the fronts inside are hidden too, so they do not make the floor there visible.
+TEST(VisibleArea, ThingsInsideSolidsAreHiddenAndHide) {
+    const auto made = test::prepare(SceneMaker()
+                                        .add("walls", test::room({0, 0, 0}, {4, 3, 4}))
+                                        .add("box", moved(box(1, 1.5f, 1), {1, -0.5f, 1}))
+                                        .add("post", moved(box(0.1f, 2.5f, 0.1f), {1.2f, -0.5f, 1.22f}))
+                                        .add("second", moved(box(1, 1, 1), {1.63f, -0.3f, 1.41f}))
+                                        .build(),
+                                    {.texels_per_metre = 16});
+    const auto well_inside = [](const Vec3d& p, double low, double high) {
+        return p.x > 1.07 && p.x < 1.93 && p.z > 1.07 && p.z < 1.93 && p.y > low && p.y < high;
+    };
+    const Areas post = areas(*made, "post", [&](const Vec3d& p) { return well_inside(p, 0.05, 0.9); });
+    EXPECT_GT(post.whole, 0.3);
+    EXPECT_LT(post.visible, 0.1 * post.whole) << "what is left sees the floor most of all";
+    const Areas floor = areas(*made, "walls", [&](const Vec3d& p) { return well_inside(p, -0.01, 0.01); });
+    EXPECT_GT(floor.whole, 0.6);
+    EXPECT_LT(floor.visible, 0.05 * floor.whole) << "three quarters of it when any front counts";
+    // 1 + 1 m2 of the floor less what both cover.
+    const double covered = 2 - (2 - 1.63) * (2 - 1.41);
+    EXPECT_NEAR(areas(*made, "walls").visible, 2 * (12 + 12 + 16) - covered, 0.04);
+    const Areas free = areas(*made, "post", [](const Vec3d& p) { return p.y > 1.1; });
+    EXPECT_EQ(free.visible, free.whole);
+}
+
+/// More than half of the view is backs, and yet there is light: a ceiling seen from behind, low over the floor of a room.
+TEST(VisibleArea, BacksOverheadHideNothingThatLightReaches) {
+    const auto made = test::prepare(SceneMaker()
+                                        .add("walls", test::room({0, 0, 0}, {4, 3, 4}))
+                                        .add("canopy", quad({1, 0.6f, 1}, {0, 0, 2}, {2, 0, 0}))
+                                        .build());
+    expect_all_visible(*made);
+}
+
+TEST(VisibleArea, WhatShinesKeepsTheInside) {
+    for (const bool lit : {false, true}) {
+        test::MadeMaterial bulb;
+        if (lit) bulb.nits = {1, 1, 1};
+        const auto made = test::prepare(SceneMaker()
+                                            .add("shade", box(1, 1, 1))
+                                            .add("bulb", moved(test::icosphere(1, 0.1f), {0.5f, 0.5f, 0.5f}), bulb)
+                                            .add("base", moved(box(0.3f, 0.1f, 0.3f), {0.35f, 0.01f, 0.35f}))
+                                            .build(),
+                                        {.texels_per_metre = 16});
+        const Areas base = areas(*made, "base", [](const Vec3d& p) { return p.y > 0.109; });
+        EXPECT_NEAR(base.visible, lit ? base.whole : 0, 1e-6);
+    }
+}
+
 TEST(VisibleArea, ALampInsideKeepsTheInside) {
     // A house that was modelled from outside only, with and without a lamp in it.
     const auto make = [](bool lit) {

@@ -1,0 +1,30 @@
+#include "baker/patches/smooth_rise.h"
+
+#include "baker/patches/fragment_polygon.h"
+
+namespace luxel {
+namespace {
+
+/// Cosines to the triangle's own normal. Flat: as patch_sampler.cpp has it.
+constexpr float flat_cosine = 0.99999f, widest_cosine = 0.70710678f;
+
+}  // namespace
+
+Vec3f smooth_rise(const Scene& scene, std::uint32_t triangle, const Vec2f& barycentric) {
+    const auto& corners = scene.triangles[triangle];
+    const Vec3f geometric = scene.geometric_normal(triangle);
+    float least = 1;
+    for (const std::uint32_t corner : corners) least = std::min(least, scene.normals[corner].dot(geometric));
+    if (least >= flat_cosine || least < widest_cosine) return {0, 0, 0};
+    const Vec3f position = surface_position(scene, triangle, barycentric);
+    const float weights[] = {1 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
+    Vec3f rise(0, 0, 0);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3f& normal = scene.normals[corners[k]];
+        const float below_m = (scene.positions[corners[k]] - position).dot(normal);
+        if (below_m > 0) rise += normal * (weights[k] * below_m);
+    }
+    return rise.dot(geometric) > 0 ? rise : Vec3f(0, 0, 0);
+}
+
+}  // namespace luxel

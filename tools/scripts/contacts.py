@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+"""Remakes the pictures of docs/texel-light.md: small scenes baked by two builds of luxel, light only, beside each other; prints how far the light is off.
+
+usage: build/deps/reference/bin/python tools/scripts/contacts.py [--before LUXEL] [--luxel LUXEL] [--out docs/contacts] [--work DIR]
+
+round    a ball of 12 meridians and 8 circles of latitude with round normals, in the sun and under a sky
+foot     a box with a post in it, sunk into the floor of a room: texels of the floor along its outline against path tracing
+--before: an older build for the left half of each picture; without it the pictures have one half.
+"""
+import argparse
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+sys.path[:0] = [os.path.join(ROOT, "tests", "reference"), os.path.join(ROOT, "samples")]
+import camera as cameras   # noqa: E402
+import reference    # noqa: E402
+import render       # noqa: E402
+from gltf_writer import Gltf, box, rectangle   # noqa: E402
+
+PANEL = (360, 300)
+DENSITY = 16   # texels per metre of the box
+HALF = (0.45, 0.35)   # of the sunk box
+PLACE, TURN = (1.7, 1.6), 20.0
+
+
+def smooth(gltf, name, points, triangles, normals, material):
+    """A mesh with shared corners and normals."""
+    import struct
+    pack = lambda rows: b"".join(struct.pack("<3f", *row) for row in rows)   # noqa: E731
+    limits = {"min": [min(p[k] for p in points) for k in range(3)], "max": [max(p[k] for p in points) for k in range(3)]}
+    position = gltf._accessor(pack(points), 5126, "VEC3", len(points), 34962, **limits)
+    normal = gltf._accessor(pack(normals), 5126, "VEC3", len(points), 34962)
+    flat = [k for t in triangles for k in t]
+    index = gltf._accessor(struct.pack(f"<{len(flat)}H", *flat), 5123, "SCALAR", len(flat), 34963)
+    gltf.meshes.append({"name": name, "primitives": [
+        {"attributes": {"POSITION": position, "NORMAL": normal}, "indices": index, "material": material, "mode": 4}]})
+    return len(gltf.meshes) - 1
+
+
+def ball(meridians, circles):
+    """Points on the unit sphere, triangles with their fronts outwards."""
+    points = [(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
+    for row in range(1, circles):
+        down = math.pi * row / circles
+        for k in range(meridians):
+            around = 2 * math.pi * k / meridians
+            points.append(tuple(float(np.float32(c)) for c in (math.sin(down) * math.cos(around), math.cos(down), math.sin(down) * math.sin(around))))
+
+    def corner(row, k):
+        return 0 if row == 0 else 1 if row == circles else 2 + (row - 1) * meridians + k % meridians
+    triangles = []
+    for row in range(circles):
+        for k in range(meridians):
+            a, b, c, d = corner(row, k), corner(row, k + 1), corner(row + 1, k + 1), corner(row + 1, k)
+            triangles += ([(a, b, c)] if row > 0 else []) + ([(a, c, d)] if row + 1 < circles else [])
+    return points, triangles
+
+
+def round_scene(folder):
+    gltf = Gltf()
+    white = gltf.material("white", (0.6, 0.6, 0.6))
+    gltf.piece("floor", [rectangle(1, -1.0, (-4, -4), (4, 4), 1)], white)
+    points, triangles = ball(12, 8)
+    gltf.node("ball", smooth(gltf, "ball", points, triangles, points, white))
+    gltf.lamp("sun", {"type": "directional", "intensity": 6000.0}, (0, 5, 0), (-0.83, -0.31, -0.2))
+    gltf.save(folder, "round")
+
+
+def foot_scene(folder):
+    gltf = Gltf()
+    white, grey = gltf.material("white", (0.7, 0.7, 0.7)), gltf.material("grey", (0.5, 0.5, 0.5))
+    lamp = gltf.material("lamp", (0, 0, 0), [2000] * 3)
+    walls = [rectangle(axis, at, low, high, sign) for axis, low, high in ((0, (0, 0), (2.5, 3)), (1, (0, 0), (3, 3)), (2, (0, 0), (3, 2.5)))
+             for at, sign in ((0.0, 1), (2.5 if axis == 1 else 3.0, -1))]
+    gltf.piece("walls", walls, white)
+    gltf.piece("panel", [rectangle(1, 2.45, (1.0, 1.0), (1.6, 1.6), -1)], lamp)
+    gltf.node("box", gltf.mesh("box", box((-HALF[0], -0.4, -HALF[1]), (HALF[0], 0.5, HALF[1])), grey), translation=(PLACE[0], 0, PLACE[1]), turn_degrees=TURN)
+    gltf.node("post", gltf.mesh("post", box((-0.05, -0.4, -0.05), (0.05, 1.2, 0.05)), grey), translation=(PLACE[0] + 0.05, 0, PLACE[1]), turn_degrees=50)
+    gltf.save(folder, "foot")
+
+
+def outside_m(points):
+    """How far places are outside of the box's outline."""
+    a, x, z = math.radians(TURN), points[:, 0] - PLACE[0], points[:, 2] - PLACE[1]
+    return np.maximum(abs(x * math.cos(a) - z * math.sin(a)) - HALF[0], abs(x * math.sin(a) + z * math.cos(a)) - HALF[1])
+
+
+SCENES = {"round": (round_scene, ["--texels-per-metre", "24", "--sky-color", "40,48,60"], ((-0.7, 0.5, 2.9), (0.0, -0.1, 0))),
+          "foot": (foot_scene, ["--texels-per-metre", str(DENSITY)], ((0.45, 0.75, 2.75), (1.75, 0.1, 1.55)))}
+
+
+def bake(luxel, folder, scene, name):
+    out = os.path.join(folder, name, scene + ".glb")
+    subprocess.run([luxel, "bake", os.path.join(folder, scene + ".gltf"), "-o", out, "-q", *SCENES[scene][1]], check=True)
+    return out
+
+
+def report_foot(folder, out, name):
+    """Light of the floor's texels that the outline of the box cuts, against path tracing."""
+    _, arrays, _ = reference.compare(os.path.join(folder, "foot.gltf"), out, 6000, 512)
+    place = arrays["position"]
+    chosen = (abs(place[:, 1]) < 1e-3) & (abs(outside_m(place)) < 0.5 / DENSITY)
+    baked, truth = (arrays[k][chosen] @ reference.LUMINANCE for k in ("baked", "truth"))
+    print(f"foot, {name}: {chosen.sum()} texels, light {baked.sum() / truth.sum() - 1:+.1%}, median error {np.median(abs(baked - truth) / truth):.1%}", flush=True)
+
+
+def picture(paths, camera, target):
+    views = [render.View(path) for path in paths.values()]
+    camera = cameras.Camera(*camera, 45.0)
+    exposure = 1.3 * render.automatic_exposure(*views[-1].shade(camera.position, camera.directions(*PANEL, 1), True))
+    sheet = Image.new("RGB", (PANEL[0] * len(views), PANEL[1]))
+    for k, (name, view) in enumerate(zip(paths, views)):
+        panel = Image.fromarray(render.draw(view, camera, *PANEL, exposure, True))
+        ImageDraw.Draw(panel).text((6, PANEL[1] - 16), name, fill=(255, 255, 255), stroke_width=2, stroke_fill=(0, 0, 0))
+        sheet.paste(panel, (k * PANEL[0], 0))
+    for quality in range(92, 20, -6):
+        sheet.save(target, quality=quality, optimize=True)
+        if os.path.getsize(target) <= 60000:
+            break
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--before", metavar="LUXEL")
+    parser.add_argument("--luxel", default=os.path.join(ROOT, "build", "dev", "tools", "luxel", "luxel"))
+    parser.add_argument("--out", default=os.path.join(ROOT, "docs", "contacts"), metavar="DIR")
+    parser.add_argument("--work", metavar="DIR")
+    options = parser.parse_args()
+    os.makedirs(options.out, exist_ok=True)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = os.path.abspath(options.work or temporary)
+        for scene, (make, _, camera) in SCENES.items():
+            make(folder)
+            builds = {"before": options.before, "after": options.luxel} if options.before else {"after": options.luxel}
+            paths = {name: bake(luxel, folder, scene, name) for name, luxel in builds.items()}
+            picture(paths, camera, os.path.join(options.out, scene + ".jpg"))
+            if scene == "foot":
+                for name, out in paths.items():
+                    report_foot(folder, out, name)
+
+
+if __name__ == "__main__":
+    main()
