@@ -43,9 +43,9 @@ constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
 constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
 /// Of gathering: what the solve leaves and was given (200), where light comes from (light/light_guide.h), radiosity and irradiance.
 constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36;
-/// A page that is gathered: its lamps, rays, two halves of two kinds of light, what sharing makes of both of them, places, and the parts
-/// of its light.
-constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 2 * 16 + 20 + 5 + 32;
+/// A page that is gathered: its lamps, rays, two halves of two kinds of light, what sharing makes of one of them, and places. What
+/// comes after is smaller, as the halves are gone.
+constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 16 + 20 + 5;
 /// What texels send: as spread from the patches, and beside it as they gather it first.
 constexpr std::uint64_t senders = 2;
 /// Smallest share that pooling and the block cache work with.

@@ -49,15 +49,18 @@ std::vector<TexelLight> PageLighter::gathered(std::uint32_t page, ProgressCounte
     if (!senders_ && !find_senders()) return {};
     // What is nearer than a patch is wide sees it as more than one brightness.
     const float near_m = patch_side_m(options_, g_.atlas);
-    const auto found = gather_page(input(), page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
-    return found ? shared(page, *found) : std::vector<TexelLight>();
+    auto found = gather_page(input(), page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
+    return found ? shared(page, std::move(*found)) : std::vector<TexelLight>();
 }
 
-std::vector<TexelLight> PageLighter::shared(std::uint32_t page, const GatheredPage& gathered) const {
-    const PageTexels& texels = g_.texels.pages[page];
-    const SharedLight emitted = share_light(texels, g_.texels.page_size, gathered.emitted, options_.share_texels);
-    const SharedLight reflected = share_light(texels, g_.texels.page_size, gathered.reflected, options_.share_texels);
-    std::vector<TexelLight> light(texels.texels.size());
+std::vector<TexelLight> PageLighter::shared(std::uint32_t page, GatheredPage gathered) const {
+    const auto share = [&](GatheredLight& light) {
+        SharedLight found = share_light(g_.texels.pages[page], g_.texels.page_size, light, options_.share_texels);
+        light = {};  // a page may be large
+        return found;
+    };
+    const SharedLight emitted = share(gathered.emitted), reflected = share(gathered.reflected);
+    std::vector<TexelLight> light(gathered.lamps.size());
     for (std::size_t k = 0; k < light.size(); ++k) {
         light[k] = {.direct = gathered.lamps[k] + emitted.irradiance[k], .indirect = reflected.irradiance[k], .rays = gathered.rays[k]};
         const float all = luminance(light[k].irradiance());

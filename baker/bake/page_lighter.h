@@ -41,7 +41,7 @@ class PageLighter {
     [[nodiscard]] RadiosityDetail spread_radiosity() const;
     [[nodiscard]] LightGuides find_guides() const;
     [[nodiscard]] GatherInput input() const;
-    [[nodiscard]] std::vector<TexelLight> shared(std::uint32_t page, const GatheredPage& gathered) const;
+    [[nodiscard]] std::vector<TexelLight> shared(std::uint32_t page, GatheredPage gathered) const;
     void recolour(std::vector<Rgb>& irradiance) const;
 
     const BakeOptions& options_;
