@@ -88,6 +88,7 @@ BakeReport bake(const BakeOptions& options) {
                                                                .threads = threads.threads(),
                                                                .solver = options.solver,
                                                                .gathers = options.gather_rays > 0,
+                                                               .refines = options.gather_rays > 0 && options.error > 0,
                                                                .previews = options.preview_s > 0,
                                                                .seam_bytes = seam_join_bytes(geometry->seams),
                                                                .layer_bytes_per_texel = layer_bytes_per_texel(options.layers)});

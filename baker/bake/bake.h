@@ -65,12 +65,13 @@ struct BakeOptions {
     std::uint32_t replicates = 4;        ///< independent ray sequences per patch
     std::uint64_t rays = 1024;           ///< evidence rays per patch, on average with importance, at least without
     bool importance = true;              ///< choose by a thin first round who gets the rays; false: all the same
-    double error = 0;                    ///< wanted relative standard error of the patches' light; 0: `rays` decides
+    double error = 0;                    ///< wanted relative error of the light of patches and texels; 0: `rays` and `gather_rays` decide
     std::uint32_t closure_iterations = 16;
     SolverKind solver = SolverKind::shoot;
     double tolerance = 1e-3;          ///< of the solve: bound of the relative error
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
+    std::uint32_t most_gather_rays = 4096;  ///< per texel, where `error` asks for more than gather_rays
     std::uint32_t share_texels = 8;   ///< radius over which gathered light may be shared, 0: not (light/share_light.h), at most 8
     Interpolation interpolation = Interpolation::linear;
     SeamMode seams = SeamMode::join;

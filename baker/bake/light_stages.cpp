@@ -11,15 +11,39 @@ namespace luxel {
 namespace {
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 9")
+    return KeyBuilder("light 10")
         .key(solution)
         .integer(options.gather_rays)
+        .number(options.gather_rays ? options.error : 0)
+        .integer(options.gather_rays && options.error > 0 ? options.most_gather_rays : 0)
         .integer(options.share_texels)
         .integer(options.lamp_points)
         .integer(static_cast<std::int64_t>(options.seed))
         .integer(static_cast<int>(options.interpolation))
         .finish();
 }
+
+/// Errors and rays of all texels that have light of their own.
+class TexelErrors {
+  public:
+    void add(const PageTexels& page, std::span<const TexelLight> light) {
+        for (std::size_t k = 0; k < light.size(); ++k)
+            if (page.can_send(page.texels[k])) errors_.push_back(light[k].error), rays_ += light[k].rays;
+    }
+    [[nodiscard]] std::optional<GatherReport> report() {
+        if (errors_.empty()) return {};
+        const auto quantile = [&](double share) {
+            const auto at = errors_.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(errors_.size() - 1));
+            std::nth_element(errors_.begin(), at, errors_.end());
+            return static_cast<double>(*at);
+        };
+        return GatherReport{static_cast<double>(rays_) / static_cast<double>(errors_.size()), quantile(0.5), quantile(0.95)};
+    }
+
+  private:
+    std::vector<float> errors_;
+    std::uint64_t rays_ = 0;
+};
 
 }  // namespace
 
@@ -32,6 +56,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     light.key = light_key(options, solution.key);
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
     std::uint32_t missing = g.atlas.page_count;
+    TexelErrors errors;
     clock.stage("light", [&] {
         if (!solution.is_whole) return false;
         light.folder = folder.lightmaps(light.key);
@@ -46,11 +71,18 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
         for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
             const auto path = BakeFolder::lightmap_file(light.folder, page);
             const std::size_t texels = g.texels.pages[page].texels.size();
-            if (load_page_light(path, light.key, texels)) continue;
+            if (const auto known = load_page_light(path, light.key, texels)) {
+                errors.add(g.texels.pages[page], *known);
+                continue;
+            }
             reused = false;
             const std::vector<TexelLight> found = lighter.light(page, progress);
-            if (found.size() == texels) save_page_light(path, light.key, found);
-            else ++missing;
+            if (found.size() == texels) {
+                errors.add(g.texels.pages[page], found);
+                save_page_light(path, light.key, found);
+            } else {
+                ++missing;
+            }
         }
         return reused;
     });
@@ -61,8 +93,9 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
         if (!light.folder.empty()) std::filesystem::remove(light.folder, not_empty);
         note_stop(report, "light", std::to_string(missing) + " of " + std::to_string(g.atlas.page_count) +
                                        " pages are interpolated from the patches");
-    } else if (report.stopped) {
-        light.state = "stopped";
+    } else {
+        if (report.stopped) light.state = "stopped";
+        if (parts_light(options)) report.gathering = errors.report();
     }
     return light;
 }

@@ -22,6 +22,7 @@ struct MemoryDemand {
     unsigned threads = 1;
     SolverKind solver = SolverKind::shoot;  ///< solvers hold more or less per patch
     bool gathers = false;                   ///< light is gathered at texels
+    bool refines = false;                   ///< and again where it is uncertain
     bool previews = false;                  ///< pictures are written while the light is solved
     std::uint64_t seam_bytes = 0;           ///< of joining seams (output/seam_join.h), before the pictures are written
     std::uint64_t layer_bytes_per_texel = 0;  ///< of what is written beside the lightmap (output/layers.h)

@@ -1,6 +1,7 @@
 #include "baker/bake/page_lighter.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "baker/bake/light_stages.h"
@@ -13,8 +14,12 @@
 namespace luxel {
 namespace {
 
-/// Of the first gathering, per texel: what texels send is read by many rays of the second, so its noise hardly shows.
-constexpr std::uint32_t first_rays = 8;
+/// Rays of the first gathering per texel, of so many that a texel may have in the second. What texels send is read by many rays, so
+/// its noise hardly shows; no error that is estimated later knows of it, so it must fall with the others.
+std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
+
+/// Of the page's mean light: what is darker may be wrong by as much as what is as bright as this.
+constexpr float dark_share = 0.01f;
 
 Rgb to_rgb(const Channels& c) {
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
@@ -49,8 +54,30 @@ std::vector<TexelLight> PageLighter::gathered(std::uint32_t page, ProgressCounte
     if (!senders_ && !find_senders()) return {};
     // What is nearer than a patch is wide sees it as more than one brightness.
     const float near_m = patch_side_m(options_, g_.atlas);
-    auto found = gather_page(input(), page, {options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop}, &progress);
-    return found ? shared(page, std::move(*found)) : std::vector<TexelLight>();
+    const GatherOptions gathering{options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop};
+    auto found = gather_page(input(), page, gathering, &progress);
+    if (!found) return {};
+    std::vector<std::uint8_t> doublings(found->rays.size(), 0);
+    for (;;) {
+        if (options_.error <= 0) return shared(page, std::move(*found));
+        std::vector<TexelLight> light = shared(page, *found);
+        const std::vector<std::uint32_t> chosen = too_uncertain(light, doublings);
+        if (chosen.empty()) return light;
+        if (!double_rays(input(), page, gathering, chosen, doublings, *found)) return {};
+    }
+}
+
+std::vector<std::uint32_t> PageLighter::too_uncertain(std::span<const TexelLight> light, std::span<const std::uint8_t> doublings) const {
+    double sum = 0;
+    for (const TexelLight& texel : light) sum += static_cast<double>(luminance(texel.irradiance()));
+    const float dark = dark_share * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(light.size(), 1)));
+    std::vector<std::uint32_t> chosen;
+    for (std::uint32_t k = 0; k < light.size(); ++k) {
+        const float own = luminance(light[k].irradiance());
+        const bool may_have_more = std::uint64_t{options_.gather_rays} << (doublings[k] + 1) <= options_.most_gather_rays;
+        if (may_have_more && static_cast<double>(light[k].error * own) > options_.error * static_cast<double>(std::max(own, dark))) chosen.push_back(k);
+    }
+    return chosen;
 }
 
 std::vector<TexelLight> PageLighter::shared(std::uint32_t page, GatheredPage gathered) const {
@@ -64,7 +91,10 @@ std::vector<TexelLight> PageLighter::shared(std::uint32_t page, GatheredPage gat
     for (std::size_t k = 0; k < light.size(); ++k) {
         light[k] = {.direct = gathered.lamps[k] + emitted.irradiance[k], .indirect = reflected.irradiance[k], .rays = gathered.rays[k]};
         const float all = luminance(light[k].irradiance());
-        if (all > 0) light[k].error = std::hypot(emitted.standard_error[k], reflected.standard_error[k]) / all;
+        if (all > 0) {
+            light[k].bias = std::hypot(emitted.bias[k], reflected.bias[k]) / all;
+            light[k].error = std::hypot(std::hypot(emitted.standard_error[k], reflected.standard_error[k]) / all, light[k].bias);
+        }
     }
     return light;
 }
@@ -78,7 +108,8 @@ bool PageLighter::find_senders() {
     senders_.emplace(Senders{EmitterSet(g_.scene, g_.atlas, g_.patches), spread_radiosity(), find_guides()});
     RadiosityDetail radiosity(reflected_, PatchMean::texels);
     // Its own points, so that what this gathering happened to see does not come twice.
-    const GatherOptions first{first_rays, true, 1, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
+    const std::uint32_t most_rays = options_.error > 0 ? options_.most_gather_rays : options_.gather_rays;
+    const GatherOptions first{first_rays(most_rays), true, 1, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
     for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
         const auto found = gather_page(input(), page, first, nullptr);
         if (!found) {

@@ -41,6 +41,8 @@ class PageLighter {
     [[nodiscard]] RadiosityDetail spread_radiosity() const;
     [[nodiscard]] LightGuides find_guides() const;
     [[nodiscard]] GatherInput input() const;
+    /// Texels whose light is less certain than BakeOptions::error asks for, and that may have more rays.
+    [[nodiscard]] std::vector<std::uint32_t> too_uncertain(std::span<const TexelLight> light, std::span<const std::uint8_t> doublings) const;
     [[nodiscard]] std::vector<TexelLight> shared(std::uint32_t page, GatheredPage gathered) const;
     void recolour(std::vector<Rgb>& irradiance) const;
 

@@ -30,6 +30,12 @@ struct OutputReport {
     double intensity = 1;
 };
 
+/// What gathering found at the texels that have light of their own (light/texel_light.h).
+struct GatherReport {
+    double rays_per_texel = 0;                ///< mean
+    double median_error = 0, p95_error = 0;  ///< of TexelLight::error
+};
+
 /// What joining the seams of the lightmaps did (output/seam_join.h, output/seam_samples.h).
 struct SeamReport {
     bool joined = false;
@@ -67,6 +73,7 @@ struct BakeReport {
     std::array<double, 3> emitted_lm{}, absorbed_lm{}, lost_lm{};
 
     SeamReport seams;
+    std::optional<GatherReport> gathering;  ///< none where nothing was gathered, or not all
 
     std::optional<StopReport> stopped;  ///< none: everything that was wanted is there
     std::uint64_t previews = 0;         ///< written

@@ -255,6 +255,9 @@ void save_page_light(const std::filesystem::path& path, const Key& key, std::spa
     for (const TexelLight& texel : light) values.push_back(texel.error), rays.push_back(texel.rays);
     append_column<float>(file, 2, values);
     append_column<std::uint32_t>(file, 3, rays);
+    values.clear();
+    for (const TexelLight& texel : light) values.push_back(texel.bias);
+    append_column<float>(file, 4, values);
     file.publish();
 }
 
@@ -272,21 +275,22 @@ void read_colours(const BlockFileReader& file, std::size_t index, std::size_t co
 std::optional<std::vector<TexelLight>> load_page_light(const std::filesystem::path& path, const Key& key, std::size_t texel_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::lightmap, lightmap_version, &key);
-    require_numbered_blocks(file, 4);
+    require_numbered_blocks(file, 5);
     std::vector<TexelLight> light(texel_count);
     read_colours(file, 0, texel_count, "direct", [&](std::size_t k, const Rgb& value) { light[k].direct = value; });
     read_colours(file, 1, texel_count, "indirect", [&](std::size_t k, const Rgb& value) { light[k].indirect = value; });
     const auto errors = finite_column<float>(file, 2, texel_count, "error");
     const auto rays = read_column<std::uint32_t>(file, 3);
     check_size(file, rays.size(), texel_count, "rays");
-    for (std::size_t k = 0; k < texel_count; ++k) light[k].error = errors[k], light[k].rays = rays[k];
+    const auto biases = finite_column<float>(file, 4, texel_count, "sharing");
+    for (std::size_t k = 0; k < texel_count; ++k) light[k].error = errors[k], light[k].rays = rays[k], light[k].bias = biases[k];
     return light;
 }
 
 std::optional<std::vector<Rgb>> load_page_irradiance(const std::filesystem::path& path, const Key& key, std::size_t texel_count) {
     if (absent(path)) return {};
     const BlockFileReader file(path, FileKind::lightmap, lightmap_version, &key);
-    require_numbered_blocks(file, 4);
+    require_numbered_blocks(file, 5);
     std::vector<Rgb> sum(texel_count, Rgb(0, 0, 0));
     read_colours(file, 0, texel_count, "direct", [&](std::size_t k, const Rgb& value) { sum[k] = value; });
     read_colours(file, 1, texel_count, "indirect", [&](std::size_t k, const Rgb& value) { sum[k] += value; });

@@ -10,7 +10,7 @@
 /// accuracy  kind 10, version 1: 0 sigma of radiosity (f64, 3 per patch), 1 sigma of irradiance (f64, 3 per patch),
 ///           2 relative error (f64).
 /// lightmap  kind 6, version 2, per texel of the page, in texel order: 0 direct (f32, 3 each, lux), 1 indirect (f32, 3 each, lux),
-///           2 relative error (f32), 3 rays (u32).
+///           2 relative error (f32), 3 rays (u32), 4 of the error, sharing (f32).
 /// checkpoint kind 13, version 2: SolveState: 0 name of the solver (text), 1 bytes that came from the disk, bytes that were
 ///           asked for (2 u64), 2 history: bytes read (u64), 3 history: bound (f64), 4 sizes of the solver's vectors (u64),
 ///           5 ... the vectors one after the other (f64), each in pieces of 65536 numbers, its last one shorter.

@@ -41,24 +41,41 @@ class TexelGather {
     void light(std::size_t index, GatheredPage& result) const {
         const Texel& texel = page_.texels[index];
         if (!page_.can_send(texel)) return;
-        const SurfaceSampler sampler(in_.scene, in_.atlas,
-                                     {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false);
+        const SurfaceSampler sampler = sampler_of(texel);
         const std::uint64_t own_seed = seed(texel);
-        const Plan shares = plan(texel, sampler);
+        gather(index, sampler, options_.rays, own_seed, 1, result);
+        result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
+    }
+
+    /// As many rays as the texel has had, after `doublings` times.
+    void double_rays(std::size_t index, std::uint32_t doublings, GatheredPage& result) const {
+        const Texel& texel = page_.texels[index];
+        if (!page_.can_send(texel)) return;
+        gather(index, sampler_of(texel), options_.rays << doublings, mix(seed(texel), 0x6d6f7265 + doublings), 0.5f, result);
+    }
+
+  private:
+    [[nodiscard]] SurfaceSampler sampler_of(const Texel& texel) const {
+        return {in_.scene, in_.atlas, {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false};
+    }
+
+    /// Adds what both halves of `rays` find; it gets the share `share` of the mean, what was there before the rest.
+    void gather(std::size_t index, const SurfaceSampler& sampler, std::uint32_t rays, std::uint64_t own_seed, float share,
+                GatheredPage& result) const {
+        const Plan shares = plan(page_.texels[index], sampler, rays);
         std::array<HalfLight, 2> found;
         for (std::size_t half = 0; half < 2; ++half) found[half] = indirect(sampler, shares, mix(own_seed, half));
+        const auto put = [&](Rgb& mean, const Rgb& light) { mean = share < 1 ? mean * (1 - share) + light * share : light; };
         for (std::size_t half = 0; half < 2; ++half) {
             const HalfLight &own = found[half], &other = found[1 - half];
             // Rays that are aimed besides share the weight of what emits with the cosine rays.
             const bool is_shared = shares.aimed_rays || shares.sky_rays;
-            result.emitted.halves[half][index] = is_shared ? own.emitted : controlled(own, other, &HalfLight::emitted);
-            result.reflected.halves[half][index] = controlled(own, other, &HalfLight::reflected);
+            put(result.emitted.halves[half][index], is_shared ? own.emitted : controlled(own, other, &HalfLight::emitted));
+            put(result.reflected.halves[half][index], controlled(own, other, &HalfLight::reflected));
         }
-        result.rays[index] = found[0].rays + found[1].rays;
-        result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
+        result.rays[index] += found[0].rays + found[1].rays;
     }
 
-  private:
     /// How half of the rays of a texel are shared out, and where light is likely.
     struct Plan {
         std::uint32_t cosine_rays = 0, aimed_rays = 0, sky_rays = 0;
@@ -87,9 +104,9 @@ class TexelGather {
         return mix(mix(mix(object.path_hash, chart.ordinal), place), options_.seed ^ 0x746578656cULL);
     }
 
-    [[nodiscard]] Plan plan(const Texel& texel, const SurfaceSampler& sampler) const {
+    [[nodiscard]] Plan plan(const Texel& texel, const SurfaceSampler& sampler, std::uint32_t rays) const {
         Plan plan;
-        plan.cosine_rays = options_.rays / 2;
+        plan.cosine_rays = rays / 2;
         plan.sky_rays = aimed_sky_rays(in_.sky, plan.cosine_rays);
         const SurfacePoint middle = sampler.point(0.5f, 0.5f);
         plan.middle = middle.position;
@@ -101,10 +118,10 @@ class TexelGather {
         if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
         const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.emitters_up_to);
         // Cosine rays find large emitters by themselves, with less noise than points on them.
-        if (!plan.emitters_up_to.empty() && seen < 0.5f) plan.aimed_rays = options_.rays / (seen < 0.25f ? 4 : 8);
+        if (!plan.emitters_up_to.empty() && seen < 0.5f) plan.aimed_rays = rays / (seen < 0.25f ? 4 : 8);
         // Where hardly any light comes straight from them, they are out of sight.
         if (patch != no_patch && !in_.guides.empty() && in_.guides.emitted_share(patch) < 0.05f)
-            plan.aimed_rays = std::min(plan.aimed_rays, options_.rays / 16);
+            plan.aimed_rays = std::min(plan.aimed_rays, rays / 16);
         plan.cosine_rays -= plan.aimed_rays;
         return plan;
     }
@@ -251,6 +268,25 @@ std::vector<Rgb> GatheredPage::irradiance() const {
     return sum;
 }
 
+namespace {
+
+/// False if it was asked to stop.
+template <class Visit>
+bool for_texels(std::size_t count, const GatherOptions& options, ProgressCounter* progress, const Visit& visit) {
+    std::atomic<bool> stopped{false};
+    parallel_ranges(count, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            if (options.stop && options.stop->is_asked()) stopped = true;
+            if (stopped) return;
+            visit(k);
+        }
+        if (progress) progress->add(end - begin);
+    });
+    return !stopped;
+}
+
+}  // namespace
+
 std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
                                         ProgressCounter* progress) {
     const TexelGather gather(input, page, options);
@@ -260,17 +296,14 @@ std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t 
     result.rays.assign(count, 0);
     for (GatheredLight* light : {&result.emitted, &result.reflected})
         for (std::vector<Rgb>& half : light->halves) half.assign(count, Rgb(0, 0, 0));
-    std::atomic<bool> stopped{false};
-    parallel_ranges(count, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            if (options.stop && options.stop->is_asked()) stopped = true;
-            if (stopped) return;
-            gather.light(k, result);
-        }
-        if (progress) progress->add(end - begin);
-    });
-    if (stopped) return std::nullopt;
-    return result;
+    const bool done = for_texels(count, options, progress, [&](std::size_t k) { gather.light(k, result); });
+    return done ? std::optional(std::move(result)) : std::nullopt;
+}
+
+bool double_rays(const GatherInput& input, std::uint32_t page, const GatherOptions& options, std::span<const std::uint32_t> chosen,
+                 std::span<std::uint8_t> doublings, GatheredPage& light) {
+    const TexelGather gather(input, page, options);
+    return for_texels(chosen.size(), options, nullptr, [&](std::size_t k) { gather.double_rays(chosen[k], doublings[chosen[k]]++, light); });
 }
 
 }  // namespace luxel

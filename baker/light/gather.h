@@ -7,6 +7,7 @@
 /// 1986 (patches shoot, elements receive); Reichert, A Two-Pass Radiosity Method, 1992 (final gather).
 #pragma once
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "baker/core/progress.h"
@@ -62,5 +63,11 @@ struct GatheredPage {
 /// Nothing when it was asked to stop before the page was done.
 std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
                                         ProgressCounter* progress);
+
+/// As many rays again for some texels as each has had so far: what they find goes into the mean. `chosen`: their indexes, each once;
+/// `doublings`: per texel of the page, how often this was done to it, counted up here. Lamps stay as they are. False when it was asked
+/// to stop: then `light` is of no use.
+bool double_rays(const GatherInput& input, std::uint32_t page, const GatherOptions& options, std::span<const std::uint32_t> chosen,
+                 std::span<std::uint8_t> doublings, GatheredPage& light);
 
 }  // namespace luxel

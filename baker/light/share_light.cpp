@@ -131,6 +131,16 @@ class Sharer {
         choose(discs, {intervals[0].largest(), intervals[1].largest()}, index, result);
     }
 
+    /// Mean of `squares` over the texels around one, as a root.
+    [[nodiscard]] float bias(std::uint32_t index, const std::vector<float>& squares) const {
+        if (!page_.can_send(page_.texels[index])) return 0;
+        TexelWindow window(grid_, index);
+        double sum = 0;
+        for (std::size_t k = 0; k <= smallest_noise_disc; ++k)
+            for (const TexelWindow::Member& member : window.grow(k)) sum += static_cast<double>(squares[member.texel]);
+        return static_cast<float>(std::sqrt(std::max(sum / static_cast<double>(window.members().size()), 0.0)));
+    }
+
   private:
     [[nodiscard]] Values values_at(std::uint32_t texel) const {
         const Rgb &a = light_.halves[0][texel], &b = light_.halves[1][texel];
@@ -158,6 +168,15 @@ class Sharer {
         return result;
     }
 
+    /// Square of what sharing changes beyond noise, signed: no more than noise has to come out as nothing on average. A disc holds the
+    /// smaller one, so what they differ by has the difference of their variances.
+    static double excess(const std::array<Disc, disc_count>& discs, std::size_t chosen, int half) {
+        if (chosen == 0) return 0;
+        const Disc &taken = discs[chosen], &smaller = discs[chosen - 1];
+        const double difference = taken.luminance_of(half) - smaller.luminance_of(half);
+        return difference * difference - std::max(smaller.variance - taken.variance, 0.0);
+    }
+
     /// Each half takes the disc that the other has chosen: what chooses knows nothing of the noise that is averaged, so that no
     /// outlier decides about itself, and the mean stays true.
     static void choose(const std::array<Disc, disc_count>& discs, const std::array<std::size_t, 2>& largest, std::uint32_t index,
@@ -166,6 +185,8 @@ class Sharer {
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
         result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
+        // For now the square: of the half that did not choose.
+        result.bias[index] = static_cast<float>(0.5 * (excess(discs, largest[1], 0) + excess(discs, largest[0], 1)));
     }
 
     const PageTexels& page_;
@@ -182,9 +203,14 @@ SharedLight share_light(const PageTexels& page, std::uint32_t page_size, const G
     const std::size_t count = page.texels.size();
     result.irradiance.resize(count);
     result.standard_error.assign(count, 0);
+    result.bias.assign(count, 0);
     const Sharer sharer(page, page_size, light, most_texels);
     parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), result);
+    });
+    const std::vector<float> squares = result.bias;
+    parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) result.bias[k] = sharer.bias(static_cast<std::uint32_t>(k), squares);
     });
     return result;
 }

@@ -23,6 +23,9 @@ namespace luxel {
 struct SharedLight {
     std::vector<Rgb> irradiance;       ///< lux, >= 0
     std::vector<float> standard_error; ///< of the luminance, lux: noise that is left
+    /// Of the luminance, lux, >= 0: how far the disc that was taken is likely to be off, as it differs from the next smaller one by more
+    /// than noise explains; the mean over neighbours of the square of that, so a guide for areas, not for single texels.
+    std::vector<float> bias;
 };
 
 /// Of the texels of a page, in their order. `most_texels`: radius of the largest disc, 0: no sharing, at most 8.

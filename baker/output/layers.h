@@ -11,7 +11,7 @@
 
 namespace luxel {
 
-enum class Layer { direct, indirect, error, samples, albedo, normal, patch, chart, valid };
+enum class Layer { direct, indirect, error, sharing, samples, albedo, normal, patch, chart, valid };
 
 struct LayerInfo {
     Layer layer;
@@ -24,10 +24,11 @@ struct LayerInfo {
 };
 
 /// In the order of the parts of a file. Layers are written as they are: 32 bits each.
-constexpr std::array<LayerInfo, 9> all_layers{{
+constexpr std::array<LayerInfo, 10> all_layers{{
     {Layer::direct, "direct", "irradiance", "lux", "RGB", ExrSample::float_32, true},
     {Layer::indirect, "indirect", "irradiance", "lux", "RGB", ExrSample::float_32, true},
-    {Layer::error, "error", "relative standard error", "", "Y", ExrSample::float_32, true},
+    {Layer::error, "error", "relative error", "", "Y", ExrSample::float_32, true},
+    {Layer::sharing, "sharing", "relative error", "", "Y", ExrSample::float_32, true},
     {Layer::samples, "samples", "rays", "", "Y", ExrSample::uint_32, true},
     {Layer::albedo, "albedo", "reflectance", "", "RGB", ExrSample::float_32, false},
     {Layer::normal, "normal", "shading normal", "", "XYZ", ExrSample::float_32, false},

@@ -34,6 +34,8 @@ class PageLayers {
                 return filled([&](std::size_t k) { return in_.light[k].indirect; });
             case Layer::error:
                 return each<float>(0, [&](std::size_t k) { return can_send(k) ? in_.light[k].error : 0.0f; });
+            case Layer::sharing:
+                return each<float>(0, [&](std::size_t k) { return can_send(k) ? in_.light[k].bias : 0.0f; });
             case Layer::samples:
                 return each<std::uint32_t>(0, [&](std::size_t k) { return can_send(k) ? in_.light[k].rays : 0u; });
             case Layer::albedo:

@@ -32,7 +32,7 @@ constexpr std::uint32_t valid_none = 0, valid_covered = 1, valid_filled = 2, val
 /// One layer, row 0 at the top:
 ///   direct, indirect         filled as the lightmap is, so that they sum to it everywhere but along seams, which only the
 ///                            lightmap has joined (seam_join.h)
-///   error, samples           0 except where a texel has light of its own
+///   error, sharing, samples  0 except where a texel has light of its own
 ///   albedo, normal           of every texel that covers surface, hidden ones too; else 0
 ///   patch, chart             the same, 0xffffffff where there is none
 ///   valid                    valid_none ... valid_hidden; surface inside solids is hidden, also where its light is

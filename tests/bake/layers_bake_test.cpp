@@ -127,6 +127,47 @@ TEST(Layers, ErrorIsHowFarSeedsScatter) {
     EXPECT_LT(ratio, 1.7) << "said " << std::sqrt(said / count) << ", found " << std::sqrt(scatter / count);
 }
 
+/// With a wanted error, texels get rays until they meet it or have the most that is allowed; the light stays the same.
+TEST(Layers, RaysFollowTheWantedError) {
+    const auto baked = [](std::uint32_t rays, double error, std::uint32_t most) {
+        const TemporaryFolder folder;
+        BakeOptions options = small_options(sample("cornell_box"), {});
+        options.unwrap.texels_per_metre = 16;
+        options.rays = 1024;
+        options.gather_rays = rays;
+        options.error = error;
+        options.most_gather_rays = most;
+        options.layers = {Layer::direct, Layer::indirect, Layer::error, Layer::samples, Layer::valid};
+        return read_exr_parts(bytes_of(bake_in(folder.path(), options).outputs, "scene.aov0.exr"));
+    };
+    constexpr double wanted = 0.05;
+    const auto parts = baked(16, wanted, 1024), truth = baked(4096, 0, 4096);
+    const auto light = [](const std::vector<ReadExrPart>& of, std::size_t at) {
+        return static_cast<double>(of[0].floats[3 * at + 1] + of[1].floats[3 * at + 1]);
+    };
+    std::uint32_t least = ~0u, most = 0;
+    double squares = 0, brightest = 0, count = 0, all = 0, sum = 0, true_sum = 0;
+    for (std::size_t at = 0; at < parts[4].numbers.size(); ++at) brightest = std::max(brightest, light(truth, at));
+    for (std::size_t at = 0; at < parts[4].numbers.size(); ++at) {
+        if (parts[4].numbers[at] != 1 || light(truth, at) < 0.01 * brightest) continue;
+        const std::uint32_t rays = parts[3].numbers[at];
+        least = std::min(least, rays), most = std::max(most, rays);
+        if (rays < 1024) {
+            EXPECT_LE(static_cast<double>(parts[2].floats[at]), wanted * 1.0001);
+        }
+        sum += light(parts, at), true_sum += light(truth, at), ++all;
+        if (static_cast<double>(parts[2].floats[at]) > wanted) continue;  // all that is allowed was not enough
+        const double off = light(parts, at) / light(truth, at) - 1;
+        squares += off * off, ++count;
+    }
+    ASSERT_GT(all, 200);
+    EXPECT_GT(count / all, 0.7);
+    EXPECT_LT(least, 128u) << "where light is even little is needed";
+    EXPECT_GE(most, 256u);
+    EXPECT_LT(std::sqrt(squares / count), 1.5 * wanted);
+    EXPECT_NEAR(sum / true_sum, 1, wanted / 2) << "the light of patches has that error too";
+}
+
 /// The end of a bake whose light stage knows the parts: they are written, and sum to the lightmap.
 TEST(Layers, OfLightInParts) {
     const TemporaryFolder folder;
@@ -146,7 +187,7 @@ TEST(Layers, OfLightInParts) {
         std::vector<TexelLight> texels;
         for (const Rgb& sum : lightmap(page)) {
             const auto number = static_cast<std::uint32_t>(texels.size());
-            texels.push_back({sum * 0.25f, sum * 0.75f, 0.01f, number});
+            texels.push_back({sum * 0.25f, sum * 0.75f, 0.01f, 0.002f, number});
         }
         return texels;
     };
@@ -158,7 +199,7 @@ TEST(Layers, OfLightInParts) {
         const auto parts = read_exr_parts(read_file(folder / ("out.aov" + number + ".exr")));
         ASSERT_EQ(parts.size(), all_layers.size());
         const auto &direct = parts[0].floats, &indirect = parts[1].floats, &error = parts[2].floats;
-        const auto &samples = parts[3].numbers, &valid = parts[8].numbers;
+        const auto &samples = parts[4].numbers, &valid = parts[9].numbers;
         for (std::size_t at = 0; at < valid.size(); ++at) {
             for (std::size_t c = 0; c < 3; ++c) {
                 const float expected = map.at(0).floats[3 * at + c];
@@ -179,7 +220,7 @@ TEST(Layers, OfLightInParts) {
     const WrittenOutputs stopped = write_lightmaps(options, *geometry, light, JoinedSeams(), {});
     ASSERT_EQ(stopped.warnings.size(), geometry->atlas.page_count);
     EXPECT_EQ(stopped.warnings[0].code, "layers-left-out");
-    EXPECT_NE(stopped.warnings[0].text.find("direct,indirect,error,samples"), std::string::npos);
+    EXPECT_NE(stopped.warnings[0].text.find("direct,indirect,error,sharing,samples"), std::string::npos);
     EXPECT_EQ(read_exr_parts(read_file(folder / "out.aov0.exr")).size(), 5u);
 
     // Previews are quick: they have none.

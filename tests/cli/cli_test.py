@@ -94,7 +94,7 @@ class Case(unittest.TestCase):
 class Help(Case):
     # A value that differs from the default, for every option of `luxel bake`.
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
-              "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8",
+              "--estimator": "ray", "--hemicube-resolution": "32", "--gather-rays": "8", "--max-rays": "16",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--seams": "keep", "--aov": "albedo,valid", "--memory": "1G",
               "--share": "3", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
@@ -142,7 +142,7 @@ class Help(Case):
             report = json.load(file)
         self.assertEqual(report["schema"], 1)
         for part, members in {
-                "seams": "joined stretches length_m points left_out texels jump_before jump_after",
+                "gathering": "rays_per_texel median_error p95_error", "seams": "joined stretches length_m points left_out texels jump_before jump_after",
                 "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
                 "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history path path_why checkpoint_resumed",
                 "previews": "written seconds", "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
@@ -193,7 +193,7 @@ class Usage(Case):
                 (["--padding", "65"], "--padding"), (["--patch-texels", "0"], "--patch-texels"),
                 (["--chunk-patches", "15"], "--chunk-patches"), (["--threads", "5000"], "--threads"),
                 (["--quality", "best"], "draft"), (["--uv", "none"], "unwrap"), (["--encoding", "rgbm"], "srgb8"),
-                (["--interpolation", "cubic"], "cubic-bspline"), (["--aov", "albedo,beauty"], "direct, indirect, error, samples, albedo, normal, patch, chart, valid; found \"beauty\""),
+                (["--interpolation", "cubic"], "cubic-bspline"), (["--aov", "albedo,beauty"], "direct, indirect, error, sharing, samples, albedo, normal, patch, chart, valid; found \"beauty\""),
                 (["--aov", ""], "--aov"), (["--aov", "albedo, valid"], "commas"), (["--gather-rays", "0", "--aov", "direct"], "albedo,normal,patch,chart,valid"), (["--quality", "draft", "--aov", "valid,samples"], '"samples" needs'), (["--memory", "lots"], "512M"), (["--memory", "1T"], "--memory"),
                 (["--memory", "99999999999G"], "--memory"), (["--store", "some"], "none"),
                 (["--store", "hot", "--store-bytes", "lots"], "512M"), (["--store", "hot", "--store-bytes", "0"], "--store none"),

@@ -148,7 +148,7 @@ void stages(const Seeds& seeds) {
     seeds.write_file("stage_files_fuzz", "plan", {2, 3});
     save_accuracy(seeds.path(), key, {channels, channels, 0.125});
     seeds.write_file("stage_files_fuzz", "accuracy", {3, 3});
-    save_page_light(seeds.path(), key, std::vector<TexelLight>{{{1, 2, 3}, {0, 0, 1}, 0.5f, 64}, {}, {{1e30f, 0.5f, 7}, {0, 0, 0}, 0, 1}});
+    save_page_light(seeds.path(), key, std::vector<TexelLight>{{{1, 2, 3}, {0, 0, 1}, 0.5f, 0.1f, 64}, {}, {{1e30f, 0.5f, 7}, {0, 0, 0}, 0, 0, 1}});
     seeds.write_file("stage_files_fuzz", "lightmap", {4, 3});
     save_checkpoint(seeds.path(), key, {"shoot", 8192, 1 << 20, result.history, {{1, 0.5, 1e30}, {}, {7}}});
     seeds.write_file("stage_files_fuzz", "checkpoint", {5, 3});

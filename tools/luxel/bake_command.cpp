@@ -31,6 +31,8 @@ struct Preset {
 };
 constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 128, 4, 1e-3}, {"high", 1024, 512, 16, 1e-4}}};
 
+constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
+
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
@@ -38,7 +40,7 @@ struct Arguments {
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
-    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, share = 8, hemicube_resolution = 64;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
     bool verify = false, quiet = false;
@@ -97,6 +99,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     if (o.gather_rays && !std::has_single_bit(o.gather_rays))
         throw Error(ErrorCode::usage, "--gather-rays", "expected 0 or a power of two, found " + std::to_string(o.gather_rays),
                     "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.gather_rays)));
+    o.most_gather_rays = std::max(o.gather_rays, given("--max-rays") ? a.max_rays : std::min(16 * o.gather_rays, highest_rays));
     o.input = a.input;
     o.output = a.output;
     o.work = a.work;
@@ -167,6 +170,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"importance", a.importance},
             {"error", a.error > 0 ? fmt::format("{}", a.error) : "none"},
             {"gather-rays", std::to_string(o.gather_rays)},
+            {"max-rays", std::to_string(o.most_gather_rays)},
             {"share", std::to_string(o.share_texels)},
             {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},
@@ -251,12 +255,14 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"ray", "hemicube"}))->capture_default_str()->group("Quality");
     command.add_option("--hemicube-resolution", a.hemicube_resolution, "pixels along an edge of the hemicube, even")
         ->check(CLI::Range(2u, 4096u))->capture_default_str()->group("Quality");
-    command.add_option("--error", a.error, "trace until the relative standard error of the patches' light is below this, such as 0.02")
+    command.add_option("--error", a.error, "trace until the relative error of the light of patches and of texels is below this, such as 0.02")
         ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
     command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512)")
-        ->check(CLI::Range(0u, 1u << 20))->group("Quality");
+        ->check(CLI::Range(0u, highest_rays))->group("Quality");
+    command.add_option("--max-rays", a.max_rays, "most rays per texel, where --error asks for more than --gather-rays (16 times as many)")
+        ->check(unsigned_number)->check(CLI::Range(0u, highest_rays))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
     command.add_option("--solver", a.solver, "shooting by chunks, conjugate gradients, or as baselines gathering by strips, the series of bounces, shooting by patches; same light")

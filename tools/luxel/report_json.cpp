@@ -47,6 +47,10 @@ std::string report_json(const BakeReport& r) {
                     {"path_why", r.solve_path_why},
                     {"checkpoint_resumed", r.checkpoint_resumed},
                     {"history", history}};
+    if (r.gathering)
+        out["gathering"] = {{"rays_per_texel", r.gathering->rays_per_texel},
+                            {"median_error", r.gathering->median_error},
+                            {"p95_error", r.gathering->p95_error}};
     out["seams"] = {{"joined", r.seams.joined},
                     {"stretches", r.seams.seams},
                     {"length_m", r.seams.length_m},

@@ -224,7 +224,7 @@ TEST(StageFiles, PageLight) {
     std::vector<TexelLight> light;
     const auto single = [](double value) { return static_cast<float>(std::ldexp(value, -60)); };  // within its range
     for (const Channels& c : channel_numbers(25, 7))
-        light.push_back({{single(c[0]), single(c[1]), single(c[2])}, {single(c[2]), 0, single(c[1])}, single(c[0]), static_cast<std::uint32_t>(light.size())});
+        light.push_back({{single(c[0]), single(c[1]), single(c[2])}, {single(c[2]), 0, single(c[1])}, single(c[0]), single(c[1]), static_cast<std::uint32_t>(light.size())});
     save_page_light(folder / "l", key, light);
     const auto found = load_page_light(folder / "l", key, 25);
     ASSERT_TRUE(found);
@@ -233,12 +233,13 @@ TEST(StageFiles, PageLight) {
         EXPECT_EQ((*found)[k].indirect, light[k].indirect);
         EXPECT_EQ((*found)[k].error, light[k].error);
         EXPECT_EQ((*found)[k].rays, light[k].rays);
+        EXPECT_EQ((*found)[k].bias, light[k].bias);
     }
     const auto irradiance = load_page_irradiance(folder / "l", key, 25);
     ASSERT_TRUE(irradiance);
     for (std::size_t k = 0; k < 25; ++k) EXPECT_EQ((*irradiance)[k], light[k].irradiance());
     expect_finite<float>(folder / "l", {0, 1}, [&] { load_page_irradiance(folder / "l", key, 25); });
-    expect_finite<float>(folder / "l", {0, 1, 2}, [&] { load_page_light(folder / "l", key, 25); });
+    expect_finite<float>(folder / "l", {0, 1, 2, 4}, [&] { load_page_light(folder / "l", key, 25); });
     expect_careful(
         folder / "l", [&](const Key& k, std::size_t n) { return load_page_light(folder / "l", k, n).has_value(); }, 25);
     save_page_light(folder / "none", key, {});
