@@ -51,11 +51,12 @@ std::vector<TexelLight> PageLighter::light(std::uint32_t page, ProgressCounter& 
 }
 
 std::vector<TexelLight> PageLighter::gathered(std::uint32_t page, ProgressCounter& progress) {
-    if (!senders_ && !find_senders()) return {};
+    const std::optional<GatherInput> input = gather_input();
+    if (!input) return {};
     // What is nearer than a patch is wide sees it as more than one brightness.
     const float near_m = patch_side_m(options_, g_.atlas);
     const GatherOptions gathering{options_.gather_rays, true, options_.lamp_points, near_m, options_.seed, options_.stop};
-    auto found = gather_page(input(), page, gathering, &progress);
+    auto found = gather_page(*input, page, gathering, &progress);
     if (!found) return {};
     std::vector<std::uint8_t> doublings(found->rays.size(), 0);
     for (;;) {
@@ -63,7 +64,7 @@ std::vector<TexelLight> PageLighter::gathered(std::uint32_t page, ProgressCounte
         std::vector<TexelLight> light = shared(page, *found);
         const std::vector<std::uint32_t> chosen = too_uncertain(light, doublings);
         if (chosen.empty()) return light;
-        if (!double_rays(input(), page, gathering, chosen, doublings, *found)) return {};
+        if (!double_rays(*input, page, gathering, chosen, doublings, *found)) return {};
     }
 }
 
@@ -99,7 +100,13 @@ std::vector<TexelLight> PageLighter::shared(std::uint32_t page, GatheredPage gat
     return light;
 }
 
-GatherInput PageLighter::input() const {
+std::optional<GatherInput> PageLighter::gather_input() {
+    find_colours();
+    if (is_stopping(options_) || (!senders_ && !find_senders())) return {};
+    return input_now();
+}
+
+GatherInput PageLighter::input_now() const {
     return {g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, senders_->emitters, senders_->radiosity, senders_->guides,
             sky_ ? &*sky_ : nullptr};
 }
@@ -111,7 +118,7 @@ bool PageLighter::find_senders() {
     const std::uint32_t most_rays = options_.error > 0 ? options_.most_gather_rays : options_.gather_rays;
     const GatherOptions first{first_rays(most_rays), true, 1, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
     for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
-        const auto found = gather_page(input(), page, first, nullptr);
+        const auto found = gather_page(input_now(), page, first, nullptr);
         if (!found) {
             senders_.reset();
             return false;

@@ -24,6 +24,9 @@ class PageLighter {
     /// Adds texels to `progress`.
     std::vector<TexelLight> light(std::uint32_t page, ProgressCounter& progress);
 
+    /// What the rays of texels meet, as light() has it. Refers to this object. None: there was no time for it.
+    std::optional<GatherInput> gather_input();
+
   private:
     /// What the rays of texels meet.
     struct Senders {
@@ -36,11 +39,10 @@ class PageLighter {
     /// Irradiance of the patches, spread over the texels of a page.
     std::vector<Rgb> interpolated(std::uint32_t page);
     void find_colours();
-    /// False: there was no time.
     bool find_senders();
     [[nodiscard]] RadiosityDetail spread_radiosity() const;
     [[nodiscard]] LightGuides find_guides() const;
-    [[nodiscard]] GatherInput input() const;
+    [[nodiscard]] GatherInput input_now() const;
     /// Texels whose light is less certain than BakeOptions::error asks for, and that may have more rays.
     [[nodiscard]] std::vector<std::uint32_t> too_uncertain(std::span<const TexelLight> light, std::span<const std::uint8_t> doublings) const;
     [[nodiscard]] std::vector<TexelLight> shared(std::uint32_t page, GatheredPage gathered) const;
