@@ -82,7 +82,11 @@ class TexelGather {
         std::vector<float> emitters_up_to;  ///< EmitterSet::weigh
         GuideWarp warp;
         Frame frame{Vec3f(0, 0, 1)};  ///< of the patch: what the warp refers to
+        std::optional<Frame> even;    ///< guide_frame at every point of the texel, if it is the same
         Vec3f middle;
+        [[nodiscard]] Frame frame_at(const SurfaceSampler& sampler, const SurfacePoint& at) const {
+            return even ? *even : guide_frame(frame, sampler.shading_normal(at));
+        }
     };
     struct HalfLight {
         Rgb emitted, reflected;
@@ -115,8 +119,12 @@ class TexelGather {
             plan.warp = GuideWarp(in_.guides.of(patch));
             plan.frame = Frame(in_.patches.patches[patch].normal);
         }
+        // Normals are interpolated: where corners of a parallelogram agree all do.
+        const Vec3f normal = sampler.shading_normal(middle);
+        const auto agrees = [&](float u, float v) { return (sampler.shading_normal(sampler.point(u, v)) - normal).length2() < 1e-12f; };
+        if (sampler.flat() && agrees(0, 0) && agrees(0.999f, 0) && agrees(0, 0.999f)) plan.even = guide_frame(plan.frame, normal);
         if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
-        const float seen = in_.emitters.weigh(middle.position, sampler.shading_normal(middle), plan.emitters_up_to);
+        const float seen = in_.emitters.weigh(middle.position, normal, plan.emitters_up_to);
         // Cosine rays find large emitters by themselves, with less noise than points on them.
         if (!plan.emitters_up_to.empty() && seen < 0.5f) plan.aimed_rays = rays / (seen < 0.25f ? 4 : 8);
         // Where hardly any light comes straight from them, they are out of sight.
@@ -163,17 +171,22 @@ class TexelGather {
     double cast_cosine(const SurfaceSampler& sampler, const SobolSequence& sequence, const Plan& shares, std::uint32_t begin,
                      std::uint32_t end, TexelRays& batch) const {
         std::array<std::array<float, batch_rays>, 4> u;
+        std::array<float, batch_rays> density, x, y, z;
         sequence.points(begin, u);
+        const std::size_t count = end - begin;
         double weights = 0;
-        batch.count = 0;
-        for (std::uint32_t k = 0; k < end - begin; ++k) {
-            const SurfacePoint at = sampler.point(u[0][k], u[1][k]);
+        for (std::size_t k = 0; k < count; ++k) {
             const GuideWarp::Point bent = shares.warp.bend(u[2][k], u[3][k]);
             weights += 1 / static_cast<double>(bent.density);
-            const Vec3f local = cosine_direction(bent.u, bent.v);
-            const Vec3f direction = guide_frame(shares.frame, sampler.shading_normal(at)).to_world(local);
+            u[2][k] = bent.u, u[3][k] = bent.v, density[k] = bent.density;
+        }
+        cosine_directions({u[2].data(), count}, {u[3].data(), count}, x.data(), y.data(), z.data());
+        batch.count = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const SurfacePoint at = sampler.point(u[0][k], u[1][k]);
+            const Vec3f direction = shares.frame_at(sampler, at).to_world({x[k], y[k], z[k]});
             // Below the true surface there is only the inside of the object.
-            if (const auto ray = leave_towards(in_.scene, in_.tracer, at, direction)) push(batch, *ray, local.z, bent.density, begin + k);
+            if (const auto ray = leave_towards(in_.scene, in_.tracer, at, direction)) push(batch, *ray, z[k], density[k], begin + k);
         }
         trace(batch);
         return weights;
@@ -192,7 +205,7 @@ class TexelGather {
             const float distance = to.length();
             if (!(distance > 0)) continue;
             const Vec3f direction = to / distance;
-            const Vec3f local = guide_frame(shares.frame, sampler.shading_normal(at)).to_local(direction);
+            const Vec3f local = shares.frame_at(sampler, at).to_local(direction);
             if (local.z <= 0 || direction.dot(target.point.normal) >= 0) continue;
             auto ray = leave_towards(in_.scene, in_.tracer, at, direction);
             if (!ray) continue;

@@ -13,6 +13,7 @@
 /// Threads  const and reentrant once made.
 /// Source   two-pass radiosity: patches shoot, elements receive (Cohen, Greenberg, Immel, Brock 1986).
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -57,10 +58,11 @@ class RadiosityDetail {
     static constexpr std::uint32_t channel_mask = 1023;
     static const std::array<float, 1024>& factors();
     static std::uint32_t code(double factor);
-    [[nodiscard]] static float factor(std::uint32_t packed) { return factors()[packed & channel_mask]; }
+    [[nodiscard]] float factor(std::uint32_t packed) const { return (*factors_)[packed & channel_mask]; }
 
     std::vector<Rgb> reflected_;
     PatchMean mean_;
+    const std::array<float, 1024>* factors_ = &factors();
     std::vector<std::vector<std::uint32_t>> pages_;
     /// Per patch and channel: area times factor of its texels so far, and their area.
     std::vector<std::array<double, 4>> sums_;

@@ -30,7 +30,7 @@ TEST(Memory, PeakStaysWithinBudgetAndGeometry) {
     const TemporaryFolder folder;
     std::ostringstream density, rays, atlas;
     atlas << number("LUXEL_ATLAS", 512);
-    density << number("LUXEL_DENSITY", 21);
+    density << number("LUXEL_DENSITY", 22);
     rays << number("LUXEL_RAYS", 8192);  // by importance they meet few new pairs: so many make the matrix large
     std::vector<std::string> arguments{"bake", sample("corridor_64").string(), "-o", (folder / "out/scene.glb").string(),
                                        "--work", (folder / "work").string(), "--report", (folder / "report.json").string(),

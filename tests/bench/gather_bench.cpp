@@ -6,6 +6,7 @@
 // ../shared/scenes. For each scene the patches are solved once; then the light of its texels is gathered
 //   plain   cosine rays alone, each texel for itself
 //   aimed   the same with rays to emitters, combined by multiple importance sampling
+//   guide   the same, bent to where the patch gets its light
 //   luxel   as a bake does: first gathering, guided and aimed rays, control variates, sharing
 // with more and more rays, and compared with a gathering of very many rays (guided, unshared, other random numbers; its own noise is
 // subtracted). `error` is the root mean square over texels and both kinds of light, relative to the mean light; lamps are left out.
@@ -90,10 +91,10 @@ class Bench {
         double mean = 0;
         for (const double light : truth.light) mean += light / static_cast<double>(truth.light.size());
         GatherInput plain{input.scene, input.atlas, input.texels, input.patches, input.tracer, input.emitters, input.radiosity, none_, input.sky};
-        const auto baseline = [&](const char* name, bool aim) {
+        const auto baseline = [&](const char* name, const GatherInput& with, bool aim) {
             Baseline last;
             for (const std::uint32_t rays : {64u, 256u, 1024u}) {
-                const Gathered found = gather(plain, rays, 5, aim);
+                const Gathered found = gather(with, rays, 5, aim);
                 const double error = error_of(found, truth, mean);
                 last = {error * error * found.rays, found.seconds / found.rays};
                 fmt::print("  {} {:5} rays  {:7.1f} per texel  {:7.2f} s  error {:6.2f} %\n", name, rays, per_texel(found), found.seconds, 100 * error);
@@ -101,7 +102,8 @@ class Bench {
             }
             return last;
         };
-        const Baseline cosine = baseline("plain", false), aimed = baseline("aimed", true);
+        const Baseline cosine = baseline("plain", plain, false), aimed = baseline("aimed", plain, true);
+        baseline("guide", input, true);
         for (const std::uint32_t rays : {16u, 64u, 128u, 256u, 512u}) {
             Gathered found = gather(input, rays, 5, true, options_.share_texels);
             found.rays += static_cast<double>(truth.light.size()) * std::max(8u, options_.gather_rays / 16);
