@@ -9,7 +9,8 @@
 //   guide   the same, bent to where the patch gets its light
 //   luxel   as a bake does: first gathering, guided and aimed rays, control variates, sharing
 // with more and more rays, and compared with a gathering of very many rays (guided, unshared, other random numbers; its own noise is
-// subtracted). `error` is the root mean square over texels and both kinds of light, relative to the mean light; lamps are left out.
+// subtracted). `error` is the root mean square of what a texel is off, relative to its own light, or to 1 % of the mean where that is
+// more; lamps are left out.
 // "times" is how many times as many rays of those two have the same error, as their error falls with the root of
 // their number. Rays are counted with all that follow from near hits, the first gathering included. Times are processor seconds.
 //
@@ -150,10 +151,10 @@ class Bench {
     static double error_of(const Gathered& found, const Gathered& truth, double mean) {
         double sum = 0;
         for (std::size_t k = 0; k < truth.light.size(); ++k) {
-            const double off = found.light[k] - truth.light[k];
-            sum += off * off - truth.variance[k];
+            const double off = found.light[k] - truth.light[k], own = std::max(truth.light[k], 0.01 * mean);
+            sum += (off * off - truth.variance[k]) / (own * own);
         }
-        return std::sqrt(std::max(sum, 0.0) / static_cast<double>(truth.light.size())) / mean;
+        return std::sqrt(std::max(sum, 0.0) / static_cast<double>(truth.light.size()));
     }
 
     /// Guided rays without what follows from near hits, against Embree alone on rays from the same texels, twice in turns.
