@@ -47,7 +47,7 @@ class LightGuides {
 class GuideWarp {
   public:
     /// Share of rays that go by the guide where the light is all in few cells; the rest keeps to the cosine.
-    static constexpr float most_guided = 0.5f;
+    static constexpr float most_guided = 0.75f;
 
     /// The plain cosine distribution.
     GuideWarp() = default;
