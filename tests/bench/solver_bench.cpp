@@ -83,7 +83,7 @@ Problem prepare(const BakeOptions& o) {
     MemoryPlan plan;
     plan.pooling_bytes = std::uint64_t{1} << 30;
     p.matrix = build_matrix(o, *p.geometry, evidence, folder, plan, clock, report);
-    p.emission = light_patches(o, *p.geometry, clock, report).emission;
+    p.emission = light_patches(o, *p.geometry, folder, clock, report).emission;
     for (const Patch& patch : p.geometry->patches.patches) p.reflectance.push_back(patch.reflectance);
     std::uint64_t own = 0;
     for (const BlockInfo& block : p.matrix.strips->blocks()) {
