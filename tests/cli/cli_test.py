@@ -142,7 +142,7 @@ class Help(Case):
             report = json.load(file)
         self.assertEqual(report["schema"], 1)
         for part, members in {
-                "gathering": "rays_per_texel median_error p95_error", "seams": "joined stretches length_m points left_out texels jump_before jump_after",
+                "seams": "joined stretches length_m points left_out texels jump_before jump_after",
                 "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
                 "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history path path_why checkpoint_resumed",
                 "previews": "written seconds", "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():
@@ -153,6 +153,7 @@ class Help(Case):
         for output in report["outputs"]:
             self.assertLessEqual({"path", "kind", "quantity", "unit", "encoding", "intensity"}, set(output))
             self.assertTrue(os.path.isfile(output["path"].split("#")[0]), output)
+        self.assertNotIn("gathering", report, "a draft gathers nothing")
         self.assertIn("stopped", report)
         self.assertIsNone(report["stopped"])
         self.assertIn(report["solve"]["path"], ("in memory", "out of core"))
