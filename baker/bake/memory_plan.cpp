@@ -45,11 +45,11 @@ constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 
 constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36;
 /// A page that is gathered: its lamps, rays, two halves of two kinds of light, what sharing makes of one of them, and places. What
 /// comes after is smaller, as the halves are gone.
-constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 16 + 20 + 5;
+constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 24 + 20 + 5;
 /// Beside it what was gathered so far, the parts of its light and who gets more rays.
 constexpr std::uint64_t refine_bytes_per_page_texel = 12 + 4 + 4 * 12 + 36 + 1 + 4;
-/// What texels send: as spread from the patches, and beside it as they gather it first.
-constexpr std::uint64_t senders = 2;
+/// Of each page, while another is gathered: what its texels send, as spread from the patches and as they gather it first, and their errors.
+constexpr std::uint64_t kept_bytes_per_page_texel = 2 * RadiosityDetail::bytes_per_page_texel + 4;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
@@ -70,7 +70,7 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
                                                CoarseSpace::most_entries(demand.patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
     const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks +
-                                    page_texels * (gather_bytes_per_page_texel + (demand.refines ? refine_bytes_per_page_texel : 0) + demand.page_count * senders * RadiosityDetail::bytes_per_page_texel);
+                                    page_texels * (gather_bytes_per_page_texel + (demand.refines ? refine_bytes_per_page_texel : 0) + demand.page_count * kept_bytes_per_page_texel);
     const std::uint64_t fixed = (demand.fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
     MemoryPlan plan;
     const std::uint64_t aside = demand.previews ? pictures : 0;

@@ -40,10 +40,9 @@ PageLighter::PageLighter(const BakeOptions& options, const BakedGeometry& geomet
 }
 
 std::vector<TexelLight> PageLighter::light(std::uint32_t page, ProgressCounter& progress) {
-    if (is_stopping(options_)) return {};
+    if (options_.gather_rays > 0) return gathered(page, progress);
     find_colours();
     if (is_stopping(options_)) return {};  // there may have been no time for all colours
-    if (options_.gather_rays > 0) return gathered(page, progress);
     std::vector<TexelLight> light;
     for (const Rgb& irradiance : interpolated(page)) light.push_back({.direct = irradiance});
     progress.add(light.size());

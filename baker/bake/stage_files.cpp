@@ -84,6 +84,13 @@ bool absent(const std::filesystem::path& path) {
     return !std::filesystem::exists(path, ignored);
 }
 
+/// Column `index`, a colour for each of `count` texels: calls read(k, colour).
+template <class Read>
+void read_colours(const BlockFileReader& file, std::size_t index, std::size_t count, const char* column, const Read& read) {
+    const auto values = finite_column<float>(file, index, 3 * count, column);
+    for (std::size_t k = 0; k < count; ++k) read(k, Rgb(values[3 * k], values[3 * k + 1], values[3 * k + 2]));
+}
+
 }  // namespace
 
 void save_plan(const std::filesystem::path& path, const Key& key, const LevelPlan& plan) {
@@ -260,17 +267,6 @@ void save_page_light(const std::filesystem::path& path, const Key& key, std::spa
     append_column<float>(file, 4, values);
     file.publish();
 }
-
-namespace {
-
-/// Adds one colour per texel, column `index`.
-template <class Add>
-void read_colours(const BlockFileReader& file, std::size_t index, std::size_t count, const char* column, const Add& add) {
-    const auto values = finite_column<float>(file, index, 3 * count, column);
-    for (std::size_t k = 0; k < count; ++k) add(k, Rgb(values[3 * k], values[3 * k + 1], values[3 * k + 2]));
-}
-
-}  // namespace
 
 std::optional<std::vector<TexelLight>> load_page_light(const std::filesystem::path& path, const Key& key, std::size_t texel_count) {
     if (absent(path)) return {};

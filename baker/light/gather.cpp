@@ -271,18 +271,6 @@ class TexelGather {
     LampLight lamps_;
 };
 
-}  // namespace
-
-std::vector<Rgb> GatheredPage::irradiance() const {
-    std::vector<Rgb> sum = lamps;
-    for (const GatheredLight* light : {&emitted, &reflected})
-        for (const std::vector<Rgb>& half : light->halves)
-            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += half[k] * 0.5f;
-    return sum;
-}
-
-namespace {
-
 /// False if it was asked to stop.
 template <class Visit>
 bool for_texels(std::size_t count, const GatherOptions& options, ProgressCounter* progress, const Visit& visit) {
@@ -299,6 +287,14 @@ bool for_texels(std::size_t count, const GatherOptions& options, ProgressCounter
 }
 
 }  // namespace
+
+std::vector<Rgb> GatheredPage::irradiance() const {
+    std::vector<Rgb> sum = lamps;
+    for (const GatheredLight* light : {&emitted, &reflected})
+        for (const std::vector<Rgb>& half : light->halves)
+            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += half[k] * 0.5f;
+    return sum;
+}
 
 std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t page, const GatherOptions& options,
                                         ProgressCounter* progress) {

@@ -164,6 +164,7 @@ Step step_at(const float* up_to, float value) {
     const float probability = up_to[k + 1] - up_to[k];
     return {k, std::clamp((value - up_to[k]) / probability, 0.0f, 0x1.fffffep-1f), probability};
 }
+
 }  // namespace
 
 GuideWarp::Point GuideWarp::bend(float u, float v) const {

@@ -25,9 +25,9 @@ TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction)
     return {offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), direction, at.triangle};
 }
 
-/// Leaves half of the vertices, chosen in their order and in proportion to what depends on them, to stand for all: each then has the
-/// same weight, and all together the one they had, so even light stays without noise. In a gap most paths stay for many bounces, and
-/// the later ones matter less and less. Systematic resampling: Kitagawa, Monte Carlo Filter and Smoother for Non-Gaussian Nonlinear
+/// Leaves at most half of the vertices, chosen in their order and in proportion to what depends on them, to stand for all, with the
+/// weight that all had together: even light stays without noise. In a gap most paths stay for many bounces, and the later ones
+/// matter less and less. One that is chosen more than once stays one, with that much more weight. Systematic resampling: Kitagawa, Monte Carlo Filter and Smoother for Non-Gaussian Nonlinear
 /// State Space Models, JCGS 5(1) 1996, appendix. `u` in [0, 1).
 void thin_out(std::vector<NearVertex>& vertices, float u) {
     if (vertices.size() < 2) return;
@@ -40,13 +40,15 @@ void thin_out(std::vector<NearVertex>& vertices, float u) {
     const std::size_t count = (vertices.size() + 1) / 2;
     const double each = total / static_cast<double>(count);
     std::vector<NearVertex> chosen;
-    double up_to = 0, next = static_cast<double>(u) * each;
+    std::size_t choices = 0;
+    double up_to = 0;
     for (const NearVertex& at : vertices) {
         const double own = weight(at);
-        for (up_to += own; next < up_to && chosen.size() < count; next += each) {
-            chosen.push_back(at);
-            chosen.back().throughput *= static_cast<float>(each / own);
-        }
+        const std::size_t before = choices;
+        for (up_to += own; (static_cast<double>(u) + static_cast<double>(choices)) * each < up_to && choices < count;) ++choices;
+        if (choices == before) continue;
+        chosen.push_back(at);
+        chosen.back().throughput *= static_cast<float>(static_cast<double>(choices - before) * each / own);
     }
     vertices = std::move(chosen);
 }

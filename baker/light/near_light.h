@@ -1,8 +1,9 @@
 /// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean
 /// is wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that
 /// was hit to lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide
-/// and the solution is good enough again, or too little depends on it. After each bounce but the first, half of the paths stand
-/// for all. No roulette: in even light every path says the same. Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
+/// and the solution is good enough again, or too little depends on it. After each bounce but the first, half of the paths
+/// stand for all. No roulette: in even light every path says the same.
+/// Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
 /// 4(3) 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
 #include <array>

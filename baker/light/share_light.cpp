@@ -99,7 +99,8 @@ class Sharer {
         while (discs_ < disc_count && TexelWindow::disc_radii[discs_] <= static_cast<int>(most_texels)) ++discs_;
     }
 
-    void share(std::uint32_t index, SharedLight& result) const {
+    /// `bias_squares`: per texel, the square of its bias as it alone knows it, signed; lux^2.
+    void share(std::uint32_t index, SharedLight& result, std::vector<float>& bias_squares) const {
         result.irradiance[index] = (light_.halves[0][index] + light_.halves[1][index]) * 0.5f;
         if (!page_.can_send(page_.texels[index])) return;
         TexelWindow window(grid_, index);
@@ -128,7 +129,9 @@ class Sharer {
                 intervals[half].add(discs[k].luminance_of(static_cast<int>(half)), std::sqrt(discs[k].variance));
             if (intervals[0].ended() && intervals[1].ended()) break;
         }
-        choose(discs, {intervals[0].largest(), intervals[1].largest()}, index, result);
+        const std::array<std::size_t, 2> largest{intervals[0].largest(), intervals[1].largest()};
+        choose(discs, largest, index, result);
+        bias_squares[index] = static_cast<float>(0.5 * (excess(discs, largest[1], 0) + excess(discs, largest[0], 1)));
     }
 
     /// Mean of `squares` over the texels around one, as a root.
@@ -185,8 +188,6 @@ class Sharer {
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
         result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
-        // For now the square: of the half that did not choose.
-        result.bias[index] = static_cast<float>(0.5 * (excess(discs, largest[1], 0) + excess(discs, largest[0], 1)));
     }
 
     const PageTexels& page_;
@@ -204,13 +205,13 @@ SharedLight share_light(const PageTexels& page, std::uint32_t page_size, const G
     result.irradiance.resize(count);
     result.standard_error.assign(count, 0);
     result.bias.assign(count, 0);
+    std::vector<float> bias_squares(count, 0);
     const Sharer sharer(page, page_size, light, most_texels);
     parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), result);
+        for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), result, bias_squares);
     });
-    const std::vector<float> squares = result.bias;
     parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) result.bias[k] = sharer.bias(static_cast<std::uint32_t>(k), squares);
+        for (std::size_t k = begin; k < end; ++k) result.bias[k] = sharer.bias(static_cast<std::uint32_t>(k), bias_squares);
     });
     return result;
 }
