@@ -67,7 +67,7 @@ bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, cons
         return false;
     for (const std::uint32_t t : {flat.triangle, triangle})
         for (const std::uint32_t vertex : scene.triangles[t])
-            if (scene.normals[vertex].dot(flat.normal) < 0.99999f) return false;
+            if (scene.normals[vertex].dot(flat.normal) < flat_cosine) return false;
     return true;
 }
 

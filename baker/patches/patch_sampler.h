@@ -10,6 +10,9 @@
 
 namespace luxel {
 
+/// A triangle is flat when the normals of its corners have at least this cosine to its own.
+constexpr float flat_cosine = 0.99999f;
+
 struct SurfacePoint {
     Vec3f position;  ///< m, relative to Scene::origin
     Vec3f normal;    ///< unit geometric normal of the sampled side

@@ -1,12 +1,13 @@
 #include "baker/patches/smooth_rise.h"
 
 #include "baker/patches/fragment_polygon.h"
+#include "baker/patches/patch_sampler.h"
 
 namespace luxel {
 namespace {
 
-/// Cosines to the triangle's own normal. Flat: as patch_sampler.cpp has it.
-constexpr float flat_cosine = 0.99999f, widest_cosine = 0.70710678f;
+/// To the triangle's own normal.
+constexpr float widest_cosine = 0.70710678f;
 
 }  // namespace
 

@@ -5,8 +5,7 @@
 
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
-#include "baker/patches/fragment_polygon.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/trace/surface_start.h"
 
 namespace luxel {
 namespace {
@@ -17,10 +16,6 @@ constexpr std::size_t sure_fronts = 4;
 /// A point that one tenth of its half space lights is missed by all of them with a chance of 3 %.
 constexpr std::size_t enclosed_rays = 32;
 // Where some find the open, the point is not enclosed: with all of probe_rays only fronts with less than a hundredth of its light are missed.
-
-Vec3f leave(const Scene& scene, const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) {
-    return offset_origin(surface_position(scene, triangle, at), normal, scene.corner_extent(triangle));
-}
 
 }  // namespace
 
@@ -45,7 +40,7 @@ bool HiddenPoints::is_front(const TraceHit& hit) const {
 }
 
 bool HiddenPoints::side_is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
-    const Vec3f origin = leave(scene_, at, triangle, normal);
+    const Vec3f origin = surface_start(scene_, triangle, at, normal);
     const Frame frame(normal);
     bool open = false;
     float nearest = infinity, farthest = 0;
@@ -81,7 +76,7 @@ bool HiddenPoints::gets_out(TraceHit hit, Vec3f direction, std::size_t number, f
         if (scene_.material_of(hit.triangle).emission != Rgb(0, 0, 0)) return true;
         const Vec3f outside = scene_.geometric_normal(hit.triangle);
         const Vec3f normal = outside.dot(direction) < 0 ? outside : -outside;
-        const Vec3f origin = leave(scene_, {hit.b1, hit.b2}, hit.triangle, normal);
+        const Vec3f origin = surface_start(scene_, hit.triangle, {hit.b1, hit.b2}, normal);
         if (sees_lamp(origin, hit.triangle, normal, reach)) return true;
         // Odd, so that every ray has another order of the same directions.
         direction = Frame(normal).to_world(directions_[(number + step * (2 * number + 37)) % probe_rays]);

@@ -5,7 +5,7 @@
 
 #include "baker/core/parallel.h"
 #include "baker/patches/fragment_polygon.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/trace/surface_start.h"
 
 namespace luxel {
 namespace {
@@ -32,8 +32,7 @@ std::optional<JointProbe::Post> JointProbe::post(const PageTexels& page, const T
         at = polygon.point(middle.x, middle.y);
     }
     const Vec3f normal = scene_.geometric_normal(largest->triangle);
-    const Vec3f origin =
-        offset_origin(surface_position(scene_, largest->triangle, at), normal, scene_.corner_extent(largest->triangle));
+    const Vec3f origin = surface_start(scene_, largest->triangle, at, normal);
     return Post{origin + normal * (lift / atlas_.texels_per_metre), normal, largest->triangle};
 }
 

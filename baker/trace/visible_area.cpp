@@ -7,7 +7,7 @@
 #include "baker/patches/fragment_polygon.h"
 #include "baker/patches/texel_means.h"
 #include "baker/trace/hidden_point.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/trace/surface_start.h"
 
 namespace luxel {
 namespace {
@@ -33,7 +33,7 @@ class FragmentProbe {
         const std::uint32_t triangle = fragment.triangle;
         const Vec3f normal = scene_.geometric_normal(triangle);
         if (!is_cut(polygon, triangle, normal)) {
-            const bool hidden = is_hidden(polygon.centroid(), triangle, normal);
+            const bool hidden = hidden_.is_hidden(polygon.centroid(), triangle, normal);
             fragment.visible = hidden ? none_visible : all_visible;
             fragment.visible_parts = hidden ? 0 : fragment_parts;
             return;
@@ -44,7 +44,7 @@ class FragmentProbe {
 
   private:
     [[nodiscard]] bool is_visible(const FragmentPolygon& polygon, float s, float t, std::uint32_t triangle, const Vec3f& normal) const {
-        return !is_hidden(polygon.point(s, t), triangle, normal);
+        return !hidden_.is_hidden(polygon.point(s, t), triangle, normal);
     }
 
     /// 3 x 3 points. Rays may start if all are visible.
@@ -96,14 +96,10 @@ class FragmentProbe {
                 const bool corner = corners[2 * near_y + near_x], is_corner = y == 3 * near_y && x == 3 * near_x;
                 const bool visible = is_corner ? corner
                                                : (corner && joined(point(y, x), point(3 * near_y, 3 * near_x), triangle, normal)) ||
-                                                     !is_hidden(point(y, x), triangle, normal);
+                                                     !hidden_.is_hidden(point(y, x), triangle, normal);
                 if (visible) parts += weights[y] * weights[x];
             }
         return parts;
-    }
-
-    [[nodiscard]] Vec3f start(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
-        return offset_origin(surface_position(scene_, triangle, at), normal, scene_.corner_extent(triangle));
     }
 
     /// Does anything cross the polygon? Chords along two directions, as far apart as cells and along the border, just above it.
@@ -139,13 +135,9 @@ class FragmentProbe {
 
     /// Is there nothing between two points, just above the surface?
     [[nodiscard]] bool joined(const Vec2f& a, const Vec2f& b, std::uint32_t triangle, const Vec3f& normal) const {
-        const Vec3f from = start(a, triangle, normal), to = start(b, triangle, normal);
+        const Vec3f from = surface_start(scene_, triangle, a, normal), to = surface_start(scene_, triangle, b, normal);
         const float length = (to - from).length();
         return !(length > 0 && tracer_.occluded({from, (to - from) / length, triangle}, length));
-    }
-
-    [[nodiscard]] bool is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
-        return hidden_.is_hidden(at, triangle, normal);
     }
 
     const Scene& scene_;
