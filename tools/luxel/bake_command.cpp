@@ -99,7 +99,13 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     if (o.gather_rays && !std::has_single_bit(o.gather_rays))
         throw Error(ErrorCode::usage, "--gather-rays", "expected 0 or a power of two, found " + std::to_string(o.gather_rays),
                     "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.gather_rays)));
-    o.most_gather_rays = std::max(o.gather_rays, given("--max-rays") ? a.max_rays : std::min(16 * o.gather_rays, highest_rays));
+    if (given("--max-rays") && !(a.error > 0))
+        throw Error(ErrorCode::usage, "--max-rays", "it says how far --error may go, but there is none",
+                    "add --error, or say the number of rays with --gather-rays");
+    if (given("--max-rays") && a.max_rays < o.gather_rays)
+        throw Error(ErrorCode::usage, "--max-rays", "expected at least --gather-rays, " + std::to_string(o.gather_rays) + ", found " + std::to_string(a.max_rays),
+                    "each texel gets --gather-rays to begin with");
+    o.most_gather_rays = given("--max-rays") ? a.max_rays : std::min(16 * o.gather_rays, highest_rays);
     o.input = a.input;
     o.output = a.output;
     o.work = a.work;
