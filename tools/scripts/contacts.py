@@ -15,11 +15,11 @@ import sys
 import tempfile
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 sys.path[:0] = [os.path.join(ROOT, "tests", "reference"), os.path.join(ROOT, "samples")]
 import camera as cameras   # noqa: E402
+import panels       # noqa: E402
 import reference    # noqa: E402
 import render       # noqa: E402
 from gltf_writer import Gltf, box, rectangle   # noqa: E402
@@ -112,18 +112,11 @@ def report_foot(folder, out, name):
 
 
 def picture(paths, camera, target):
-    views = [render.View(path) for path in paths.values()]
+    views = {name: render.View(path) for name, path in paths.items()}
     camera = cameras.Camera(*camera, 45.0)
-    exposure = 1.3 * render.automatic_exposure(*views[-1].shade(camera.position, camera.directions(*PANEL, 1), True))
-    sheet = Image.new("RGB", (PANEL[0] * len(views), PANEL[1]))
-    for k, (name, view) in enumerate(zip(paths, views)):
-        panel = Image.fromarray(render.draw(view, camera, *PANEL, exposure, True))
-        ImageDraw.Draw(panel).text((6, PANEL[1] - 16), name, fill=(255, 255, 255), stroke_width=2, stroke_fill=(0, 0, 0))
-        sheet.paste(panel, (k * PANEL[0], 0))
-    for quality in range(92, 20, -6):
-        sheet.save(target, quality=quality, optimize=True)
-        if os.path.getsize(target) <= 60000:
-            break
+    last = list(views.values())[-1]
+    exposure = 1.3 * render.automatic_exposure(*last.shade(camera.position, camera.directions(*PANEL, 1), True))
+    panels.save(panels.sheet(views, camera, exposure, PANEL, len(views)), target, 60000)
 
 
 def main():

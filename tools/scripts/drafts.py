@@ -16,11 +16,11 @@ import sys
 import tempfile
 
 import numpy as np
-from PIL import Image, ImageDraw
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "tests", "reference"))
 import camera as cameras   # noqa: E402
+import panels       # noqa: E402
 import lightmap     # noqa: E402
 import reference    # noqa: E402
 import render       # noqa: E402
@@ -61,18 +61,11 @@ def errors(draft, gathered):
 
 def picture(paths, camera, target):
     """All bakes from one camera with one exposure, the lightmap alone."""
-    gathered = render.View(paths[GATHERED])
+    views = {name: render.View(path) for name, path in paths.items()}
+    gathered = views[GATHERED]
     camera = cameras.Camera(*camera, 60.0) if camera else cameras.search(gathered.scene, gathered.look, 0)
     exposure = render.automatic_exposure(*gathered.shade(camera.position, camera.directions(*PANEL, 1), True))
-    sheet = Image.new("RGB", (PANEL[0] * 3, PANEL[1] * 2))
-    for number, (name, path) in enumerate(paths.items()):
-        panel = Image.fromarray(render.draw(render.View(path), camera, *PANEL, exposure, True))
-        ImageDraw.Draw(panel).text((6, PANEL[1] - 16), name, fill=(255, 255, 255), stroke_width=2, stroke_fill=(0, 0, 0))
-        sheet.paste(panel, (number % 3 * PANEL[0], number // 3 * PANEL[1]))
-    for quality in range(92, 20, -6):
-        sheet.save(target, quality=quality, optimize=True)
-        if os.path.getsize(target) <= 80000:
-            break
+    panels.save(panels.sheet(views, camera, exposure, PANEL, 3), target, 80000)
 
 
 def main():
