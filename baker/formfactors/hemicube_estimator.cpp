@@ -9,7 +9,7 @@
 #include "baker/formfactors/hemicube_weights.h"
 #include "baker/trace/surface_map.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {
@@ -114,7 +114,7 @@ class HemicubeEstimator final : public Estimator {
     }
 
     [[nodiscard]] Key identity() const override {
-        return KeyBuilder("hemicube estimator 1")
+        return KeyBuilder("hemicube estimator 2")
             .text(tracer_identity())
             .integer(static_cast<std::int64_t>(options_.seed))
             .integer(options_.resolution)

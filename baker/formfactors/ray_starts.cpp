@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

@@ -7,7 +7,7 @@
 #include "baker/core/sobol.h"
 #include "baker/formfactors/sky_bins.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "baker/core/sampling.h"
 #include "baker/core/units.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

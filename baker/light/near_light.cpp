@@ -9,7 +9,7 @@
 #include "baker/light/sky_gather.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/scene/texture_sample.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

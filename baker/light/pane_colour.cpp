@@ -9,7 +9,7 @@
 #include "baker/core/sobol.h"
 #include "baker/light/light_sum.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "baker/trace/surface_map.h"
 
 namespace luxel {

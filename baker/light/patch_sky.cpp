@@ -5,7 +5,7 @@
 #include "baker/core/units.h"
 #include "baker/light/patch_mean.h"
 #include "baker/light/sky.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 

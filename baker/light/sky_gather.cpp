@@ -4,7 +4,7 @@
 
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "baker/trace/smooth_start.h"
 
 namespace luxel {

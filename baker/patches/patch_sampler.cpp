@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/core/ray_offset.h"
+
 namespace luxel {
 namespace {
 
@@ -54,8 +56,17 @@ bool map_box(const Scene& scene, const Atlas& atlas, std::uint32_t triangle, con
 
 float largest(const Vec3f& v) { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
-/// Does another triangle of the box continue the same plane, map and flat shading, up to the rounding of its corners? That
-/// is a quarter of what rays are moved off the surface, so none of them can start behind the neighbour.
+/// How far `other` gets off the plane of `flat` in the box, m.
+float deviation_m(const Parallelogram& flat, const Parallelogram& other) {
+    const float at_origin = (other.origin - flat.origin).dot(flat.normal), along_u = (other.side_u - flat.side_u).dot(flat.normal),
+                along_v = (other.side_v - flat.side_v).dot(flat.normal);
+    return std::max({std::fabs(at_origin), std::fabs(at_origin + along_u), std::fabs(at_origin + along_v),
+                     std::fabs(at_origin + along_u + along_v)});
+}
+
+/// Does another triangle of the box continue the same plane, map and flat shading, up to the rounding of its corners? Across the
+/// plane by no more than a quarter of what rays are moved off it, so that none of them can start behind the neighbour: that is
+/// next to nothing for a plane through the origin along an axis, where corners are exact.
 bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, const Parallelogram& flat,
                std::uint32_t triangle) {
     Parallelogram other;
@@ -65,6 +76,7 @@ bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, cons
     if (largest(other.origin - flat.origin) > tolerance_m || largest(other.side_u - flat.side_u) > tolerance_m ||
         largest(other.side_v - flat.side_v) > tolerance_m)
         return false;
+    if (deviation_m(flat, other) > 0.25f * offset_distance(flat.normal, scene.corner_extent(flat.triangle))) return false;
     for (const std::uint32_t t : {flat.triangle, triangle})
         for (const std::uint32_t vertex : scene.triangles[t])
             if (scene.normals[vertex].dot(flat.normal) < flat_cosine) return false;

@@ -6,7 +6,7 @@
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "baker/patches/smooth_rise.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 namespace {

@@ -1,7 +1,7 @@
 /// Where rays leave a point of the surface that is given by its triangle.
 #pragma once
 #include "baker/patches/fragment_polygon.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 namespace luxel {
 

@@ -22,7 +22,7 @@
 #include "baker/core/sobol.h"
 #include "baker/formfactors/evidence.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/bench/bare_embree.h"
 #include "tests/support/temporary_folder.h"
 

@@ -31,7 +31,7 @@
 #include "baker/core/units.h"
 #include "baker/light/share_light.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/bench/bare_embree.h"
 #include "tests/support/temporary_folder.h"
 

@@ -21,7 +21,7 @@
 #include "baker/core/sobol.h"
 #include "baker/trace/surface_map.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/bench/sequences.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/unit/formfactors/made_evidence_scene.h"
 
 namespace luxel {

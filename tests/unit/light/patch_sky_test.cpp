@@ -171,6 +171,31 @@ TEST(SkyGather, AnOpenFloorGetsTheIrradianceOfTheSky) {
     }
 }
 
+/// A fan of triangles that are nearly one plane, close to the plane y = 0 where coordinates have hardly any rounding: no
+/// ray may start behind the neighbour.
+TEST(SkyGather, TrianglesThatAreNearlyOnePlaneAreNotDarkWhereTheyMeet) {
+    for (const float height : {2e-5f, 5e-6f, 1.5e-6f, 5e-7f, 1e-7f}) {
+        test::MadeMesh fan;
+        fan.positions.emplace_back(0.1f, 0.0f, -0.23f);
+        constexpr std::uint32_t rim = 14;
+        for (std::uint32_t k = 0; k <= rim; ++k) {
+            const double angle = 3.14159265358979 * k / rim;
+            fan.positions.emplace_back(static_cast<float>(0.25 * std::cos(angle)), k % 2 ? height : 0.0f, static_cast<float>(0.25 * std::sin(angle)));
+        }
+        for (std::uint32_t k = 1; k <= rim; ++k) fan.triangles.push_back({0, k + 1, k});
+        const auto made = test::prepare(SceneMaker().add("fan", fan).build(), {.texels_per_metre = 200});
+        const EmitterSet emitters(made->scene, made->atlas, made->patches);
+        const SkyMap map{1, 1, {Rgb(1, 1, 1)}, 0};
+        const Sky sky(map);
+        const RadiosityDetail radiosity(std::vector<Rgb>(made->patches.count(), Rgb(0, 0, 0)));
+        const LightGuides guides;
+        const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, radiosity, guides, &sky};
+        const auto light = gather_page(input, 0, {.rays = 64}, nullptr)->irradiance();
+        ASSERT_GT(light.size(), 1000u);
+        for (const Rgb& h : light) ASSERT_NEAR(h.x, 3.14159f, 0.01f) << height;
+    }
+}
+
 /// Where hits are close the path goes on by itself: the sky must reach it there too.
 TEST(SkyGather, NearPathsSeeTheSky) {
     const auto made = floor_under_plate();

@@ -15,7 +15,7 @@
 #include "baker/trace/surface_map.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/store/probability.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/formfactors/made_evidence_scene.h"
 

@@ -1,5 +1,5 @@
 /// The start of a ray lies on the side that it leaves to, exactly, and not far from the surface.
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 
 #include <gtest/gtest.h>
 

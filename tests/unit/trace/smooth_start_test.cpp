@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "baker/patches/smooth_rise.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/support/scenes.h"
 
 namespace luxel {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "baker/core/parallel.h"
-#include "baker/trace/ray_offset.h"
+#include "baker/core/ray_offset.h"
 #include "tests/unit/trace/made_rays.h"
 
 namespace luxel {
