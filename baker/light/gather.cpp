@@ -9,12 +9,12 @@
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
 #include "baker/trace/surface_map.h"
-#include "baker/light/lamps.h"
 #include "baker/light/light_sum.h"
 #include "baker/light/near_light.h"
 #include "baker/light/sky_gather.h"
+#include "baker/light/texel_lamps.h"
+#include "baker/light/texel_seed.h"
 #include "baker/patches/patch_sampler.h"
-#include "baker/patches/smooth_rise.h"
 #include "baker/trace/smooth_start.h"
 
 namespace luxel {
@@ -36,15 +36,12 @@ struct TexelRays {
 class TexelGather {
   public:
     TexelGather(const GatherInput& input, std::uint32_t page, const GatherOptions& options)
-        : in_(input), number_(page), page_(input.texels.pages[page]), options_(options), lamps_(input.scene, input.tracer) {}
+        : in_(input), number_(page), page_(input.texels.pages[page]), options_(options) {}
 
     void light(std::size_t index, GatheredPage& result) const {
         const Texel& texel = page_.texels[index];
         if (!page_.can_send(texel)) return;
-        const SurfaceSampler sampler = sampler_of(texel);
-        const std::uint64_t own_seed = seed(texel);
-        gather(index, sampler, options_.rays, own_seed, 1, result);
-        result.lamps[index] = direct(sampler, SobolSequence(own_seed), own_seed);
+        gather(index, sampler_of(texel), options_.rays, seed(texel), 1, result);
     }
 
     /// As many rays as the texel has had, after `doublings` times.
@@ -58,6 +55,7 @@ class TexelGather {
     [[nodiscard]] SurfaceSampler sampler_of(const Texel& texel) const {
         return {in_.scene, in_.atlas, {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false};
     }
+    [[nodiscard]] std::uint64_t seed(const Texel& texel) const { return texel_seed(in_.scene, in_.atlas, texel, options_.seed); }
 
     /// Adds what both halves of `rays` find; it gets the share `share` of the mean, what was there before the rest.
     void gather(std::size_t index, const SurfaceSampler& sampler, std::uint32_t rays, std::uint64_t own_seed, float share,
@@ -100,14 +98,6 @@ class TexelGather {
         return other.weights > 0 ? half.*light + other.*light * ((1 - half.weights) / other.weights) : half.*light;
     }
 
-    /// Depends on the chart's object, its own grid and the options only: packing does not change the noise.
-    [[nodiscard]] std::uint64_t seed(const Texel& texel) const {
-        const Chart& chart = in_.atlas.charts[texel.chart];
-        const Object& object = in_.scene.objects[chart.object];
-        const std::uint64_t place = (std::uint64_t{texel.y - chart.y} << 32) | (texel.x - chart.x);
-        return mix(mix(mix(object.path_hash, chart.ordinal), place), options_.seed ^ 0x746578656cULL);
-    }
-
     [[nodiscard]] Plan plan(const Texel& texel, const SurfaceSampler& sampler, std::uint32_t rays) const {
         Plan plan;
         plan.cosine_rays = rays / 2;
@@ -119,10 +109,8 @@ class TexelGather {
             plan.warp = GuideWarp(in_.guides.of(patch));
             plan.frame = Frame(in_.patches.patches[patch].normal);
         }
-        // Normals are interpolated: where corners of a parallelogram agree all do.
         const Vec3f normal = sampler.shading_normal(middle);
-        const auto agrees = [&](float u, float v) { return (sampler.shading_normal(sampler.point(u, v)) - normal).length2() < 1e-12f; };
-        if (sampler.flat() && agrees(0, 0) && agrees(0.999f, 0) && agrees(0, 0.999f)) plan.even = guide_frame(plan.frame, normal);
+        if (sampler.one_shading_normal()) plan.even = guide_frame(plan.frame, normal);
         if (!options_.aim_at_emitters || in_.emitters.empty()) return plan;
         const float seen = in_.emitters.weigh(middle.position, normal, plan.emitters_up_to);
         // Cosine rays find large emitters by themselves, with less noise than points on them.
@@ -250,25 +238,10 @@ class TexelGather {
                             static_cast<float>(shares.aimed_rays) * aimed);
     }
 
-    [[nodiscard]] Rgb direct(const SurfaceSampler& sampler, const SobolSequence& sequence, std::uint64_t own_seed) const {
-        Rgb sum(0, 0, 0);
-        if (lamps_.empty()) return sum;
-        const SobolSequence on_lamps(mix(own_seed, 0x6f6e6c616d70));
-        for (std::uint32_t k = 0; k < options_.lamp_points; ++k) {
-            const auto u = sequence.point(k);
-            const SurfacePoint at = sampler.point(u[0], u[1]);
-            const auto on_lamp = on_lamps.point(k);
-            const Vec3f rise = smooth_rise(in_.scene, at.triangle, at.barycentric);
-            sum += lamps_.irradiance({at.position, at.normal, sampler.shading_normal(at), at.triangle, rise}, u[2], {on_lamp[0], on_lamp[1]});
-        }
-        return sum / static_cast<float>(options_.lamp_points);
-    }
-
     const GatherInput& in_;
     std::uint32_t number_;  ///< of the page
     const PageTexels& page_;
     const GatherOptions& options_;
-    LampLight lamps_;
 };
 
 /// False if it was asked to stop.
@@ -289,10 +262,8 @@ bool for_texels(std::size_t count, const GatherOptions& options, ProgressCounter
 }  // namespace
 
 std::vector<Rgb> GatheredPage::irradiance() const {
-    std::vector<Rgb> sum = lamps;
-    for (const GatheredLight* light : {&emitted, &reflected})
-        for (const std::vector<Rgb>& half : light->halves)
-            for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += half[k] * 0.5f;
+    std::vector<Rgb> sum(lamps.size());
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = lamps[k] + gathered(k);
     return sum;
 }
 
@@ -301,12 +272,19 @@ std::optional<GatheredPage> gather_page(const GatherInput& input, std::uint32_t 
     const TexelGather gather(input, page, options);
     const std::size_t count = input.texels.pages[page].texels.size();
     GatheredPage result;
-    result.lamps.assign(count, Rgb(0, 0, 0));
     result.rays.assign(count, 0);
     for (GatheredLight* light : {&result.emitted, &result.reflected})
         for (std::vector<Rgb>& half : light->halves) half.assign(count, Rgb(0, 0, 0));
     const bool done = for_texels(count, options, progress, [&](std::size_t k) { gather.light(k, result); });
-    return done ? std::optional(std::move(result)) : std::nullopt;
+    if (!done) return {};
+    std::vector<float> gathered(count);
+    for (std::size_t k = 0; k < count; ++k) gathered[k] = luminance(result.gathered(k));
+    const TexelLampOptions lamp_options{options.lamp_points, options.edge_lamp_points, options.seed, options.stop};
+    auto lamps = texel_lamps(input.scene, input.atlas, input.texels.pages[page], input.texels.page_size, input.tracer,
+                             gathered, lamp_options);
+    if (!lamps) return {};
+    result.lamps = std::move(*lamps);
+    return result;
 }
 
 bool double_rays(const GatherInput& input, std::uint32_t page, const GatherOptions& options, std::span<const std::uint32_t> chosen,

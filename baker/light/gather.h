@@ -25,6 +25,7 @@ struct GatherOptions {
     std::uint32_t rays = 64;         ///< per texel, a power of two, at least 4; cosine and aimed ones together
     bool aim_at_emitters = true;     ///< false: cosine rays only
     std::uint32_t lamp_points = 4;   ///< points of the texel at which lamps are tested, a power of two
+    std::uint32_t edge_lamp_points = 0;  ///< the same where a shadow may have its edge (texel_lamps.h); 0: no more than elsewhere
     float near_m = 0;                ///< hits closer than this are followed on (near_light.h), m; 0: patches always serve
     std::uint64_t seed = 0;
     const StopRequest* stop = nullptr;  ///< looked at before each texel
@@ -55,6 +56,10 @@ struct GatheredPage {
     GatheredLight emitted, reflected;  ///< straight from the sky and from surfaces that shine; by way of others
     std::vector<std::uint32_t> rays;   ///< TexelLight::rays
 
+    /// Of a texel, without lamps.
+    [[nodiscard]] Rgb gathered(std::size_t texel) const {
+        return (emitted.halves[0][texel] + emitted.halves[1][texel] + reflected.halves[0][texel] + reflected.halves[1][texel]) * 0.5f;
+    }
     /// The sum of all, as gathered.
     [[nodiscard]] std::vector<Rgb> irradiance() const;
 };

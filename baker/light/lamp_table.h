@@ -1,5 +1,5 @@
-/// One lamp out of many, chosen by what it could give to points around a place: for vertices of paths, where a shadow
-/// ray to each would cost more than it tells.
+/// Which of many lamps are worth a shadow ray, by what each could give to the points around a place: the strongest are tested one by
+/// one, of the rest a few are chosen by chance. Threads: const and reentrant. Errors: none.
 #pragma once
 #include <span>
 #include <vector>
@@ -8,10 +8,21 @@
 
 namespace luxel {
 
+struct LampStrength {
+    std::uint32_t lamp = 0;  ///< index into Scene::lamps
+    float strength = 0;      ///< > 0; about what it gives without shadows, lux
+};
+
+/// Every lamp that can light a point within `around_m` of `place`, in the scene's order. `normal`: unit, what the cosine is taken
+/// against at all of these points; null: it differs, and no lamp is behind all of them.
+std::vector<LampStrength> lamp_strengths(std::span<const Lamp> lamps, const Vec3f& place, float around_m, const Vec3f* normal);
+
+/// One lamp out of many, in proportion to its strength.
 class LampTable {
   public:
-    /// For points within `around_m` of `place`. Every lamp that can light one of them has a chance. Keeps no reference.
-    LampTable(std::span<const Lamp> lamps, const Vec3f& place, float around_m);
+    LampTable() = default;
+    /// Keeps no reference.
+    explicit LampTable(std::span<const LampStrength> lamps);
 
     struct Choice {
         std::uint32_t lamp = 0;
@@ -29,5 +40,14 @@ class LampTable {
     };
     std::vector<Entry> entries_;
 };
+
+struct RankedLamps {
+    std::vector<std::uint32_t> strong;  ///< the strongest first: all but a tenth of the light
+    LampTable weak;                     ///< the rest; empty where they are few
+    /// Choices of weak lamps at a point: fewer than these are strong ones.
+    static constexpr int weak_choices = 2;
+};
+
+RankedLamps rank_lamps(std::vector<LampStrength> lamps);
 
 }  // namespace luxel

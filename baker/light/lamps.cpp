@@ -6,34 +6,14 @@
 #include "baker/core/sampling.h"
 #include "baker/core/units.h"
 #include "baker/core/ray_offset.h"
+#include "baker/light/lamp_beam.h"
 
 namespace luxel {
 namespace {
 
-/// Lamps that together give all but this share of the unshadowed light are tested one by one.
-constexpr float weak_share = 0.1f;
-/// Shadow rays for all the weak ones together.
-constexpr int weak_samples = 2;
-
-struct Contribution {
-    float strength;
-    std::uint32_t lamp;
-    Rgb irradiance;
-};
-
 /// What cone and range leave of `scale` at the distance d (> 0) along `to_lamp`.
 float beam(const Lamp& lamp, const Vec3f& to_lamp, float d, float scale) {
-    if (lamp.kind == LampKind::spot) {
-        const float along = -lamp.direction.dot(to_lamp) / d;
-        const float span = std::max(lamp.cos_inner - lamp.cos_outer, 1e-3f);
-        const float edge = std::clamp((along - lamp.cos_outer) / span, 0.0f, 1.0f);
-        scale *= edge * edge;
-    }
-    if (lamp.range > 0) {
-        const float share = d / lamp.range;
-        scale *= std::clamp(1 - share * share * share * share, 0.0f, 1.0f);
-    }
-    return scale;
+    return scale * cone_share(lamp, -lamp.direction.dot(to_lamp) / d) * range_share(lamp, d);
 }
 
 /// A sized lamp as a point sees it.
@@ -158,48 +138,21 @@ Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec
 }
 
 Rgb LampLight::irradiance(const LightPoint& at, float random, const Vec2f& on_lamp) const {
-    const auto light_of = [&](const Contribution& c) { return shadowed(scene_.lamps[c.lamp], c.irradiance, at, on_lamp); };
-    std::vector<Contribution> candidates;
-    float total = 0;
-    for (std::uint32_t k = 0; k < scene_.lamps.size(); ++k) {
-        const Rgb light = unshadowed_irradiance(scene_.lamps[k], at.position, at.shading_normal);
-        const float strength = light.x + light.y + light.z;
-        if (strength > 0) candidates.push_back({strength, k, light}), total += strength;
-    }
-    // Few of them are strong: a heap is cheaper than sorting all.
-    const auto is_weaker = [](const Contribution& a, const Contribution& b) {
-        return a.strength != b.strength ? a.strength < b.strength : a.lamp > b.lamp;
-    };
-    std::make_heap(candidates.begin(), candidates.end(), is_weaker);
+    return irradiance(rank_lamps(lamp_strengths(scene_.lamps, at.position, 0, &at.shading_normal)), at, random, on_lamp);
+}
+
+Rgb LampLight::irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const {
     Rgb sum(0, 0, 0);
-    for (float rest = total; !candidates.empty() && rest > weak_share * total;) {
-        std::pop_heap(candidates.begin(), candidates.end(), is_weaker);
-        rest -= candidates.back().strength;
-        sum += light_of(candidates.back());
-        candidates.pop_back();
-    }
-    if (candidates.size() <= static_cast<std::size_t>(weak_samples)) {
-        for (const Contribution& weak : candidates) sum += light_of(weak);
-        return sum;
-    }
-    float weak_total = 0;
-    for (const Contribution& weak : candidates) weak_total += weak.strength;
-    // Systematic sampling: one random number, evenly spaced picks along the cumulative strengths.
-    float cumulative = 0;
-    int next = 0;
-    for (std::size_t k = 0; k < candidates.size() && next < weak_samples; ++k) {
-        cumulative += candidates[k].strength;
-        int picks = 0;
-        while (next < weak_samples &&
-               (static_cast<float>(next) + random) * weak_total / weak_samples < cumulative) {
-            ++picks;
-            ++next;
-        }
-        if (picks)
-            sum += light_of(candidates[k]) *
-                   (static_cast<float>(picks) * weak_total / (weak_samples * candidates[k].strength));
-    }
+    for (const std::uint32_t lamp : lamps.strong) sum += irradiance_of(lamp, at, on_lamp);
+    if (lamps.weak.empty()) return sum;
+    for (int k = 0; k < RankedLamps::weak_choices; ++k)  // evenly spaced along the cumulative strengths
+        sum += weak_irradiance(lamps, at, (static_cast<float>(k) + random) / RankedLamps::weak_choices, on_lamp) / RankedLamps::weak_choices;
     return sum;
+}
+
+Rgb LampLight::weak_irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const {
+    const LampTable::Choice choice = lamps.weak.choose(random);
+    return irradiance_of(choice.lamp, at, on_lamp) / choice.probability;
 }
 
 }  // namespace luxel

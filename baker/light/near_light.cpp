@@ -90,7 +90,7 @@ void NearLight::make_tables() {
     // Half of all paths stay within two steps; farther ones only choose less well.
     const float around_m = 2 * reach_m_;
     if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitters_up_to_);
-    lamps_.emplace(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_);
+    lamps_.emplace(lamp_strengths(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_, nullptr));
 }
 
 void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {

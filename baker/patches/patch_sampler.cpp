@@ -172,4 +172,24 @@ Vec3f SurfaceSampler::shading_normal(const SurfacePoint& at) const {
     return back_ ? -normal : normal;
 }
 
+std::optional<Vec3f> SurfaceSampler::one_shading_normal() const {
+    if (!is_flat_) return {};
+    // Normals are interpolated: where three corners of a parallelogram agree all points do.
+    const Vec3f normal = shading_normal(point(0.5f, 0.5f));
+    const auto agrees = [&](float u, float v) { return (shading_normal(point(u, v)) - normal).length2() < 1e-12f; };
+    return agrees(0, 0) && agrees(0.999f, 0) && agrees(0, 0.999f) ? std::optional(normal) : std::nullopt;
+}
+
+float SurfaceSampler::reach_m(const Vec3f& place) const {
+    float square = 0;
+    const auto add = [&](const Vec3f& corner) { square = std::max(square, (corner - place).length2()); };
+    if (is_flat_) {
+        for (const float u : {0.0f, 1.0f})
+            for (const float v : {0.0f, 1.0f}) add(flat_.origin + flat_.side_u * u + flat_.side_v * v);
+    }
+    for (const Piece& piece : pieces_)
+        for (const Vec2f& b : piece.polygon.corners()) add(piece.corner + piece.edge_1 * b.x + piece.edge_2 * b.y);
+    return std::sqrt(square);
+}
+
 }  // namespace luxel

@@ -2,6 +2,7 @@
 /// row of texels and the place in it, u the fragment of the row and the place in that. Where something cuts a fragment, its cells
 /// in the open stand for all of its visible area: no point lies inside a solid.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,10 @@ class SurfaceSampler {
     [[nodiscard]] const Parallelogram* flat() const { return is_flat_ ? &flat_ : nullptr; }
     /// Interpolated shading normal on the sampled side.
     [[nodiscard]] Vec3f shading_normal(const SurfacePoint& at) const;
+    /// The shading normal of all points, if it is the same everywhere.
+    [[nodiscard]] std::optional<Vec3f> one_shading_normal() const;
+    /// No point is farther away from `place`, m.
+    [[nodiscard]] float reach_m(const Vec3f& place) const;
 
     /// What point() chooses from unless the surface is flat: rows of texels, and the fragments in each.
     struct Piece {

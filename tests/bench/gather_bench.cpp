@@ -124,7 +124,7 @@ class Bench {
     /// `share`: radius; 0: not.
     [[nodiscard]] Gathered gather(const GatherInput& input, std::uint32_t rays, std::uint64_t seed, bool aim, std::uint32_t share = 0) const {
         Gathered all;
-        GatherOptions gathering{rays, aim, 1, 0, seed, nullptr};
+        GatherOptions gathering{rays, aim, 1, 0, 0, seed, nullptr};
         gathering.near_m = patch_side_m(options_, geometry_->atlas);
         for (std::uint32_t page = 0; page < geometry_->atlas.page_count; ++page) {
             const PageTexels& texels = geometry_->texels.pages[page];

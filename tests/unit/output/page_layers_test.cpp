@@ -197,7 +197,7 @@ TEST(Layers, NamesOfLists) {
     EXPECT_EQ(parse_layers("valid,albedo,valid", "--aov"), (std::vector{Layer::albedo, Layer::valid}));
     EXPECT_EQ(layer_names(parse_layers("valid,albedo", "--aov")), "albedo,valid");
     EXPECT_EQ(layer_names({}), "none");
-    for (const LayerInfo& info : all_layers) EXPECT_EQ(layer_info(info.layer).name, info.name);
+    for (const LayerInfo& info : all_layers) EXPECT_STREQ(layer_info(info.layer).name, info.name);
     for (const char* wrong : {"", ",", "albedo,", "Albedo", "albedo normal", " albedo", "albedo,,valid", "beauty"}) {
         try {
             (void)parse_layers(wrong, "--aov");
