@@ -18,8 +18,8 @@ namespace {
 /// its noise hardly shows; no error that is estimated later knows of it, so it must fall with the others.
 std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
 
-/// Points at which lamps are tested where a shadow may have its edge, for each elsewhere.
-constexpr std::uint32_t edge_share = 16;
+/// Where shadows may have their edges, lamps are tested at so many points of a texel in the first gathering, elsewhere at one.
+constexpr std::uint32_t first_edge_points = 16;
 
 /// Of the page's mean light: what is darker may be wrong by as much as what is as bright as this.
 constexpr float dark_share = 0.01f;
@@ -57,7 +57,7 @@ std::vector<TexelLight> PageLighter::gathered(std::uint32_t page, ProgressCounte
     if (!input) return {};
     // What is nearer than a patch is wide sees it as more than one brightness.
     const float near_m = patch_side_m(options_, g_.atlas);
-    const GatherOptions gathering{options_.gather_rays, true,          options_.lamp_points, edge_share * options_.lamp_points,
+    const GatherOptions gathering{options_.gather_rays, true,          options_.lamp_points, options_.edge_lamp_points(),
                                   near_m,               options_.seed, options_.stop};
     auto found = gather_page(*input, page, gathering, &progress);
     if (!found) return {};
@@ -119,7 +119,7 @@ bool PageLighter::find_senders() {
     RadiosityDetail radiosity(reflected_, PatchMean::texels);
     // Its own points, so that what this gathering happened to see does not come twice.
     const std::uint32_t most_rays = options_.error > 0 ? options_.most_gather_rays : options_.gather_rays;
-    const GatherOptions first{first_rays(most_rays), true, 1, 0, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
+    const GatherOptions first{first_rays(most_rays), true, 1, first_edge_points, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
     for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
         const auto found = gather_page(input_now(), page, first, nullptr);
         if (!found) {

@@ -87,7 +87,7 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, c
                            BakeReport& report) {
     BakedSources sources;
     clock.stage("lamps", [&] {
-        sources.lamp_irradiance = patch_lamp_irradiance(g.scene, g.atlas, g.patches, *g.tracer, options.lamp_points);
+        sources.lamp_irradiance = patch_lamp_irradiance(g.scene, g.atlas, g.patches, *g.tracer, options.lamp_points, options.edge_lamp_points());
         return false;
     });
     add_sky_light(options, g, folder, sources.lamp_irradiance, clock, report);

@@ -1,11 +1,9 @@
 /// Light of lamps at the texels of a page: a few points of each texel everywhere, many where the texels beside it show that the edge
 /// of a shadow may run through it, or where lamps are so many that a few points tell little.
 ///
-/// Which texels get many points, only their neighbours decide, and which lamps are tested at all of these, only the first few points, which
-/// then no longer count: so no value decides about itself, and the mean is true also for light through gaps that are thinner than a texel.
+/// Which texels get many points, only their neighbours decide: so no value decides about itself (surface_lamps.h).
 ///
 /// Errors: none. Threads: uses them all; a pure function of geometry, lamps and options.
-/// Source: Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH 1991 (why the samples that decide may not count).
 #pragma once
 #include <optional>
 #include <span>

@@ -117,7 +117,7 @@ TEST(NearLight, LampsLightTheWayOn) {
         .add_lamp(point_lamp({-2000, 1000, 1}, 2e6));  // the second one only behind the wall
     const auto made = test::prepare(maker.build());
     std::vector<Rgb> dark(made->patches.count(), Rgb(0, 0, 0)), radiosity = dark;
-    const auto direct = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16);
+    const auto direct = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16, 64);
     for (PatchNumber p = 0; p < made->patches.count(); ++p)
         radiosity[p] = direct[p] * made->patches.patches[p].reflectance;
     const auto bounced = [&](std::span<const Rgb> of, float near_m) {

@@ -24,7 +24,7 @@ LampRecord sun(float lux) {
 
 TEST(PatchLamps, ZeroWithoutLamps) {
     const auto made = test::prepare(SceneMaker().add("a", quad({0, 0, 0}, {0, 0, 1}, {1, 0, 0})).build());
-    const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 4);
+    const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 4, 16);
     EXPECT_EQ(light, std::vector<Rgb>(made->patches.count(), Rgb(0, 0, 0)));
 }
 
@@ -36,7 +36,7 @@ TEST(PatchLamps, EachSideGetsItsOwn) {
                                         .add("floor", quad({-3, 0, -3}, {0, 0, 6}, {6, 0, 0}))
                                         .add_lamp(sun(100))
                                         .build());
-    const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16);
+    const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16, 64);
     std::size_t fronts = 0, backs = 0, shadowed = 0, lit = 0;
     for (PatchNumber p = 0; p < made->patches.count(); ++p) {
         if (made->path_of(p) == "sheet") {
@@ -63,7 +63,7 @@ TEST(PatchLamps, DoNotDependOnNumbers) {
                                             .add_lamp(sun(100))
                                             .build(),
                                         {.chunk_patches = chunk_patches});
-        const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 8);
+        const auto light = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 8, 32);
         std::map<PatchId, std::array<float, 3>> found;
         for (PatchNumber p = 0; p < light.size(); ++p)
             found[made->patches.patches[p].id] = {light[p].x, light[p].y, light[p].z};
