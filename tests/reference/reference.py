@@ -4,7 +4,7 @@
 usage: reference.py SCENE BAKED.glb [--points 1000] [--spp 4096] [--out PREFIX] [--png-errormap FILE.png]
 
 Texels are drawn in proportion to the area they cover. The truth of a texel is the mean over the part of its square that
-the surface covers, without points that lie inside solids (most of their view is backs of surfaces). Geometry, materials
+the surface covers, without points that lie inside solids (most of their view is backs of surfaces, and no light comes there). Geometry, materials
 and lamps come from SCENE, or from BAKED where SCENE is compressed; then `geometry` in the result says "baked".
 Prints JSON (and writes PREFIX.json, PREFIX.npz):
   median, p95    of |b - t| / max(t, 1 % of the mean truth), luminance
@@ -32,7 +32,8 @@ import lights       # noqa: E402
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 PLACES = 256         # points of a texel: its part in a sharp shadow is then right to about 1 %
-BURIED_SHARE = 0.5   # a point is inside a solid when more of its view is backs
+BURIED_SHARE = 0.5   # a point may be inside a solid when more of its view is backs
+BURIED_PATHS = 64    # and is when none of so many paths brings light
 
 
 def load_truth_scene(path, baked_path, light):
@@ -45,10 +46,14 @@ def load_truth_scene(path, baked_path, light):
 
 def keep_open_points(tracer, footprints, seed):
     """Drops points inside solids; refills each texel's places from those that are left. Returns kept ones, number dropped."""
-    share = tracer.buried(np.concatenate([f.points for f in footprints]), np.concatenate([f.flat for f in footprints]), seed)
+    points, flat = (np.concatenate([getattr(f, key) for f in footprints]) for key in ("points", "flat"))
+    buried = tracer.buried(points, flat, seed) > BURIED_SHARE
+    if buried.any():   # behind the back of a lamp, in a gap: dark, but not inside
+        light = tracer.irradiance(points[buried, None], flat[buried, None], flat[buried, None], BURIED_PATHS, seed)[0]
+        buried[buried] = light.max(1) <= 0
     kept = []
-    for f, shares in zip(footprints, share.reshape(len(footprints), -1)):
-        good = np.nonzero(shares <= BURIED_SHARE)[0]
+    for f, inside in zip(footprints, buried.reshape(len(footprints), -1)):
+        good = np.nonzero(~inside)[0]
         if len(good) == 0:
             continue
         again = good[np.arange(PLACES) % len(good)]
