@@ -1,6 +1,7 @@
 # Every outside library is found here and nowhere else.
 find_package(PkgConfig REQUIRED)
 find_package(Imath CONFIG REQUIRED)
+find_package(OpenEXR 3.1 CONFIG REQUIRED)
 find_package(fmt REQUIRED)
 find_package(spdlog CONFIG REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -12,6 +13,8 @@ find_package(meshoptimizer CONFIG REQUIRED)
 find_package(Eigen3 CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(libpng REQUIRED IMPORTED_TARGET libpng)
+pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)
 
 # Embree 4 where found, else 3.13; baker/trace/embree_api.h hides the difference.

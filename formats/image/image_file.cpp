@@ -2,17 +2,23 @@
 
 #include <dlfcn.h>
 
+#include <array>
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <exception>
 #include <filesystem>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string_view>
 
+#include "formats/image/codec.h"
+#include "formats/image/exr_file.h"
 #include "formats/image/image_plugin.h"
-#include "formats/image/png_check.h"
+#include "formats/image/jpeg_file.h"
+#include "formats/image/png_file.h"
 
 namespace luxel {
 namespace {
@@ -81,15 +87,12 @@ const char* extension_of(ByteView bytes) {
     return nullptr;
 }
 
-PluginAttributes attributes_of(const ImageMetadata& metadata) {
-    PluginAttributes attributes;
-    attributes.texts = {{"quantity", metadata.quantity},
-                        {"unit", metadata.unit},
-                        {"encoding", metadata.encoding},
-                        {"Software", metadata.software}};
-    attributes.texts.insert(attributes.texts.end(), metadata.more.begin(), metadata.more.end());
-    attributes.numbers = {{"intensity", static_cast<float>(metadata.intensity)}};
-    return attributes;
+/// Nothing: only the module reads it.
+std::optional<std::string> decode_without_module(ByteView bytes, std::string_view extension, const ImageLimits& limits, ImagePixels& out) {
+    if (extension == "png") return decode_png(bytes, limits, out);
+    if (extension == "jpg") return decode_jpeg(bytes, limits, out);
+    if (extension == "exr") return decode_exr(bytes, limits, out);
+    return std::nullopt;
 }
 
 }  // namespace
@@ -100,25 +103,27 @@ ImagePixels decode_image(ByteView bytes, const std::string& where, const ImageLi
         throw Error(ErrorCode::bad_input, where, "expected PNG, JPEG, WebP, HDR or EXR, found another kind of file",
                     "convert the picture to one of these");
     ImagePixels image;
-    std::string why = extension == std::string_view("png") ? png_damage(bytes) : std::string();
-    if (why.empty()) why = plugin().decode(bytes, extension, limits, image);
-    if (!why.empty())
-        throw Error(ErrorCode::bad_input, where, "cannot decode as " + std::string(extension) + ": " + why,
+    std::optional<std::string> why = decode_without_module(bytes, extension, limits, image);
+    if (!why) why = plugin().decode(bytes, extension, limits, image);
+    if (!why->empty())
+        throw Error(ErrorCode::bad_input, where, "cannot decode as " + std::string(extension) + ": " + *why,
                     "open and save the picture again with another program");
     return image;
 }
 
-Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& metadata) {
-    if (image.values.size() != std::uint64_t{image.width} * image.height * image.channels.size() ||
-        image.values.empty())
-        throw Error(ErrorCode::internal, "encode_exr", "the number of values is not width * height * channels");
-    Bytes bytes;
-    const std::string why = plugin().encode_exr(image, sample, attributes_of(metadata), bytes);
-    if (!why.empty()) throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: " + why);
-    return bytes;
-}
-
 namespace {
+
+/// Runs a step of an encoder. What the encoder throws becomes an Error.
+template <class Step>
+auto encoding_exr(const Step& step) -> decltype(step()) {
+    try {
+        return step();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: not enough memory");
+    } catch (const std::exception& error) {
+        throw Error(ErrorCode::cannot_write, "OpenEXR picture", std::string("cannot encode: ") + error.what());
+    }
+}
 
 /// The samples of a part after a check of their kind and number.
 const void* checked_samples(const ExrPartValues& values, const ExrPart& part, std::uint64_t count) {
@@ -135,28 +140,28 @@ const void* checked_samples(const ExrPartValues& values, const ExrPart& part, st
 
 }  // namespace
 
+Bytes encode_exr(const ImageView& image, ExrSample sample, const ImageMetadata& metadata) {
+    if (image.values.size() != std::uint64_t{image.width} * image.height * image.channels.size() ||
+        image.values.empty())
+        throw Error(ErrorCode::internal, "encode_exr", "the number of values is not width * height * channels");
+    return encoding_exr([&] {
+        const ExrPart part{"", image.channels, sample, metadata};
+        ExrWriter writer(image.width, image.height, {&part, 1});
+        writer.write(0, image.values.data());
+        return writer.finish();
+    });
+}
+
 Bytes encode_exr_parts(std::uint32_t width, std::uint32_t height, std::span<const ExrPart> parts,
                        const std::function<ExrPartValues(std::size_t part)>& values) {
-    std::vector<PluginPart> heads;
-    for (const ExrPart& part : parts) heads.push_back({part.name, part.channels, part.sample, attributes_of(part.metadata)});
     if (parts.empty() || width == 0 || height == 0) throw Error(ErrorCode::internal, "encode_exr_parts", "there is nothing to encode");
-    ExrPartValues held;
-    std::exception_ptr failure;
-    const auto next = [&](std::size_t part) -> const void* {
-        try {
-            held = ExrPartValues();
-            held = values(part);
-            return checked_samples(held, parts[part], std::uint64_t{width} * height * parts[part].channels.size());
-        } catch (...) {
-            failure = std::current_exception();
-            return nullptr;
-        }
-    };
-    Bytes bytes;
-    const std::string why = plugin().encode_exr_parts(width, height, heads, next, bytes);
-    if (failure) std::rethrow_exception(failure);
-    if (!why.empty()) throw Error(ErrorCode::cannot_write, "OpenEXR picture", "cannot encode: " + why);
-    return bytes;
+    const auto writer = encoding_exr([&] { return std::make_unique<ExrWriter>(width, height, parts); });
+    for (std::size_t part = 0; part < parts.size(); ++part) {
+        const ExrPartValues held = values(part);
+        const void* samples = checked_samples(held, parts[part], std::uint64_t{width} * height * parts[part].channels.size());
+        encoding_exr([&] { writer->write(part, samples); });
+    }
+    return encoding_exr([&] { return writer->finish(); });
 }
 
 ExrSample exr_sample_for(std::span<const float> values) {
@@ -176,8 +181,14 @@ Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std:
                  const ImageMetadata& metadata) {
     if (rgb.size() != std::uint64_t{width} * height * 3 || rgb.empty())
         throw Error(ErrorCode::internal, "encode_png", "the number of bytes is not width * height * 3");
+    std::array<char, 32> intensity{};
+    const auto end = std::to_chars(intensity.data(), intensity.data() + intensity.size(), static_cast<float>(metadata.intensity)).ptr;
+    std::vector<std::pair<std::string, std::string>> texts{
+        {"quantity", metadata.quantity}, {"unit", metadata.unit}, {"encoding", metadata.encoding}, {"Software", metadata.software}};
+    texts.insert(texts.end(), metadata.more.begin(), metadata.more.end());
+    texts.emplace_back("intensity", std::string(intensity.data(), end));
     Bytes bytes;
-    const std::string why = plugin().encode_png(width, height, rgb, attributes_of(metadata), bytes);
+    const std::string why = write_png(width, height, rgb, texts, bytes);
     if (!why.empty()) throw Error(ErrorCode::cannot_write, "PNG picture", "cannot encode: " + why);
     return bytes;
 }

@@ -1,10 +1,10 @@
 /// Pictures: decode what scenes bring (PNG, JPEG, WebP, Radiance HDR, OpenEXR) and encode what a bake publishes
 /// (OpenEXR, 8-bit PNG).
 ///
-/// The image library costs 0.17 s and 130 MB per process, so it lives in a module (luxel_image_plugin.so) that is
-/// loaded by the first call here that needs it; a program which never touches a picture never pays. The module is
-/// looked for in the folder LUXEL_PLUGIN_DIR, beside the running program, in ../lib/luxel from there, and where it was
-/// built.
+/// PNG, JPEG and OpenEXR are read and written with their own small libraries. The rest, WebP, Radiance HDR, JPEG in CMYK and OpenEXR
+/// in luminance and chroma, is read by OpenImageIO, which costs 0.17 s and 130 MB per process: it lives in a module
+/// (luxel_image_plugin.so) that is loaded by the first such picture. Writing never needs it. The module is looked for in the folder
+/// LUXEL_PLUGIN_DIR, beside the running program, in ../lib/luxel from there, and where it was built.
 ///
 /// Errors   Error{bad_input}: not a picture of these kinds, damaged, or too large. Error{not_in_build}: the module is
 ///          missing or of another version. Error{cannot_write}: a picture could not be encoded.
@@ -81,7 +81,7 @@ struct ExrPart {
 using ExrPartValues = std::variant<std::vector<float>, std::vector<std::uint32_t>>;
 
 /// A multi-part OpenEXR file (one part: an ordinary one), all parts width x height, written as encode_exr() does. `values` is
-/// called once per part, in order, so that only one is held at a time. The encoded file is in memory twice for a moment.
+/// called once per part, in order, so that only one is held at a time. What it throws is passed on.
 Bytes encode_exr_parts(std::uint32_t width, std::uint32_t height, std::span<const ExrPart> parts,
                        const std::function<ExrPartValues(std::size_t part)>& values);
 

@@ -1,4 +1,4 @@
-/// Reads OpenEXR files with several parts, for tests of what luxel writes: with the image library itself, not through
+/// Reads OpenEXR files with several parts, for tests of what luxel writes: with OpenImageIO, not through
 /// the project's own wrapper, which reads pictures of scenes only.
 #pragma once
 #include <cstdint>

@@ -22,7 +22,7 @@ ONLY_FROM = {"formats/gltf": ["formats/gltf", "baker/output", "baker/bake", "too
 CONTRACTS = {"formats/gltf/scene_record.h": "baker/scene",            # plain records
              "baker/formfactors/block_source.h": "baker/chunks"}      # how patches are numbered by chunk
 LIBRARIES = [  # pattern of the header, where it may be named
-    (r"xatlas", ["baker/unwrap"]), (r"embree[34]/", ["baker/trace"]), (r"OpenImageIO/", ["formats/image"]),
+    (r"xatlas", ["baker/unwrap"]), (r"embree[34]/", ["baker/trace"]), (r"OpenImageIO/|OpenEXR/|png\.h|turbojpeg\.h", ["formats/image"]),
     (r"zstd\.h|zdict\.h|xxhash\.h", ["formats/base"]), (r"draco/|meshoptimizer\.h", ["formats/gltf"]), (r"CLI/", ["tools/luxel"]),
     (r"oneapi/|tbb/", ["baker/core"]), (r"stb_", ["baker/unwrap"])]
 
