@@ -13,7 +13,6 @@
 #include "baker/core/parallel.h"
 #include "baker/output/seam_join.h"
 #include "formats/base/file.h"
-#include "formats/image/image_file.h"
 
 namespace luxel {
 namespace {
@@ -80,7 +79,6 @@ BakeReport bake(const BakeOptions& options) {
     const std::uint64_t resident = resident_bytes_now();
     const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
     const MemoryPlan plan = plan_memory(options.memory_bytes, {.fixed_bytes = fixed,
-                                                               .image_library_loaded = image_library_is_loaded(),
                                                                .patch_count = geometry->patches.count(),
                                                                .chunk_patches = options.chunk_patches,
                                                                .page_size = geometry->atlas.page_size,
@@ -94,7 +92,7 @@ BakeReport bake(const BakeOptions& options) {
                                                                .layer_bytes_per_texel = layer_bytes_per_texel(options.layers)});
     report.floor_bytes = plan.floor_bytes;
 
-    // Matrix and solution are gone before the image library comes: the floor counts only one of them.
+    // Matrix and solution are gone before the pictures come: the floor counts only one of them.
     Key strip_key;
     const BakedLight light = [&] {
         const SolvedScene solved = solve_in_rounds(options, *geometry, folder, plan, clock, report);

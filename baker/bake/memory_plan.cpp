@@ -14,8 +14,6 @@ constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 /// What is resident beside the geometry (program, libraries, what the allocator holds back) varies by some 20 MB from run
 /// to run; counted in whole steps, the floor that one run states is the floor of the next.
 constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
-/// Writing pictures loads the image library, whichever scene it is (measured: 130 MB, and some for its buffers).
-constexpr std::uint64_t image_library_bytes = 150 * mebibyte;
 /// What a solve holds per patch: its input, area, reflectance, closure, tallies and index by id, and at the end the result (200
 /// in all); the solver's own vectors, and a copy of those that it goes on from on its way to the disk (144 in all for shooting,
 /// 464 for conjugate gradients). The coarse space and its copy come beside them.
@@ -63,7 +61,7 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
     const std::uint64_t page_texels = std::uint64_t{demand.page_size} * demand.page_size;
     // The lightmap is gone when its layers come.
     const std::uint64_t page = page_texels * std::max(bytes_per_page_texel, demand.layer_bytes_per_texel);
-    const std::uint64_t pictures = (demand.image_library_loaded ? 0 : image_library_bytes) + page + demand.patch_count * bytes_per_shown_patch;
+    const std::uint64_t pictures = page + demand.patch_count * bytes_per_shown_patch;
     const std::uint64_t writing = pictures + demand.seam_bytes;
     const std::uint64_t vectors = std::max(demand.patch_count * accuracy_bytes_per_patch,
                                            demand.patch_count * solve_bytes_per_patch(demand.solver) +

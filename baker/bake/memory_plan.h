@@ -15,8 +15,7 @@ struct MemoryPlan {
 
 /// What a bake will hold.
 struct MemoryDemand {
-    std::uint64_t fixed_bytes = 0;      ///< resident now beside the geometry: program, libraries
-    bool image_library_loaded = false;  ///< is the image library among them?
+    std::uint64_t fixed_bytes = 0;  ///< resident now beside the geometry: program, libraries
     std::uint64_t patch_count = 0;
     std::uint32_t chunk_patches = 16, page_size = 64, page_count = 1;
     unsigned threads = 1;

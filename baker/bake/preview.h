@@ -2,7 +2,7 @@
 /// (SolveView::irradiance) and that of the lamps, interpolated, with their seams. What the bake writes at its end takes their place.
 ///
 /// Never more than a third of the time: after one that took t seconds the next comes 2 t later at the earliest. Memory: the
-/// image library and a page beside the solve, which plan_memory() counts.
+/// light and a page beside the solve, which plan_memory() counts.
 #pragma once
 #include <chrono>
 

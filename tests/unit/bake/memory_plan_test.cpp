@@ -19,15 +19,15 @@ const Size sizes[]{
     {.fixed_bytes = 60 * mebibyte, .patch_count = 50'000, .chunk_patches = 2048, .page_size = 1024, .threads = 2},
     {.fixed_bytes = 300 * mebibyte, .patch_count = 10'000'000, .chunk_patches = 4096, .page_size = 4096, .page_count = 10, .threads = 16}};
 
-MemoryPlan plan(std::uint64_t budget, Size size, bool loaded = true, bool previews = false, SolverKind solver = SolverKind::shoot) {
-    size.image_library_loaded = loaded, size.previews = previews, size.solver = solver;
+MemoryPlan plan(std::uint64_t budget, Size size, bool previews = false, SolverKind solver = SolverKind::shoot) {
+    size.previews = previews, size.solver = solver;
     return plan_memory(budget, size);
 }
 
 /// The smallest budget that the message names, in bytes.
-std::uint64_t stated_floor(const Size& size, bool loaded = true) {
+std::uint64_t stated_floor(const Size& size) {
     try {
-        plan(1, size, loaded);
+        plan(1, size);
     } catch (const Error& error) {
         EXPECT_EQ(error.code, ErrorCode::budget_too_small);
         const auto at = error.hint.find_first_of("0123456789");
@@ -38,23 +38,22 @@ std::uint64_t stated_floor(const Size& size, bool loaded = true) {
 }
 
 TEST(MemoryPlan, TheStatedFloorWorksAndLessDoesNot) {
-    for (const Size& size : sizes)
-        for (const bool loaded : {false, true}) {
-            const std::uint64_t floor = stated_floor(size, loaded);
-            const MemoryPlan at_floor = plan(floor, size, loaded);
-            EXPECT_LE(at_floor.floor_bytes, floor);
-            EXPECT_GT(at_floor.floor_bytes + mebibyte, floor);
-            EXPECT_NO_THROW(plan(at_floor.floor_bytes, size, loaded));
-            EXPECT_THROW(plan(at_floor.floor_bytes - 1, size, loaded), Error);
-            EXPECT_GE(at_floor.floor_bytes, size.fixed_bytes);
-        }
+    for (const Size& size : sizes) {
+        const std::uint64_t floor = stated_floor(size);
+        const MemoryPlan at_floor = plan(floor, size);
+        EXPECT_LE(at_floor.floor_bytes, floor);
+        EXPECT_GT(at_floor.floor_bytes + mebibyte, floor);
+        EXPECT_NO_THROW(plan(at_floor.floor_bytes, size));
+        EXPECT_THROW(plan(at_floor.floor_bytes - 1, size), Error);
+        EXPECT_GE(at_floor.floor_bytes, size.fixed_bytes);
+    }
 }
 
 TEST(MemoryPlan, LayersTakeThePlaceOfTheLightmap) {
     const std::uint64_t budget = std::uint64_t{1} << 40;
     // Where pages are large beside the solve, they decide.
     const auto floor = [&](std::uint64_t layer_bytes_per_texel) {
-        return plan_memory(budget, {.fixed_bytes = 20 * mebibyte, .image_library_loaded = true, .patch_count = 100, .page_size = 8192,
+        return plan_memory(budget, {.fixed_bytes = 20 * mebibyte, .patch_count = 100, .page_size = 8192,
                                     .layer_bytes_per_texel = layer_bytes_per_texel})
             .floor_bytes;
     };
@@ -67,7 +66,7 @@ TEST(MemoryPlan, LayersTakeThePlaceOfTheLightmap) {
 TEST(MemoryPlan, ConjugateGradientsNeedMoreThanShooting) {
     for (const Size& size : sizes) {
         const std::uint64_t budget = std::uint64_t{1} << 40;
-        const MemoryPlan shoot = plan(budget, size), cg = plan(budget, size, true, false, SolverKind::cg);
+        const MemoryPlan shoot = plan(budget, size), cg = plan(budget, size, false, SolverKind::cg);
         EXPECT_GE(cg.floor_bytes, shoot.floor_bytes + 200 * size.patch_count);
         EXPECT_LE(cg.cache_bytes, shoot.cache_bytes);
     }
@@ -87,16 +86,12 @@ TEST(MemoryPlan, SharesFitTheBudget) {
     }
 }
 
-TEST(MemoryPlan, AnImageLibraryThatIsLoadedIsNotCountedTwice) {
-    EXPECT_LT(stated_floor(sizes[0], true), stated_floor(sizes[0], false));
-}
-
 TEST(MemoryPlan, PreviewsComeBesideTheSolve) {
-    constexpr std::uint64_t library = 100 * mebibyte, budget = std::uint64_t{1} << 36;
+    constexpr std::uint64_t budget = std::uint64_t{1} << 36;
     for (const Size& size : sizes) {
         const std::uint64_t page = std::uint64_t{size.page_size} * size.page_size * 3;  // at the least
-        EXPECT_GE(plan(budget, size, false, true).floor_bytes, plan(budget, size, false).floor_bytes + size.patch_count * 36 + page);
-        EXPECT_LE(plan(budget, size, false, true).cache_bytes + library / 2, plan(budget, size, false).cache_bytes);
+        EXPECT_GE(plan(budget, size, true).floor_bytes, plan(budget, size).floor_bytes + size.patch_count * 36 + page);
+        EXPECT_LE(plan(budget, size, true).cache_bytes + page / 2, plan(budget, size).cache_bytes);
     }
 }
 
