@@ -15,6 +15,7 @@
 #include "tests/fuzz/fuzz_file.h"
 #include "tests/fuzz/fuzz_scene.h"
 #include "tests/fuzz/gltf_seeds.h"
+#include "tests/support/sample_pictures.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel::fuzz {
@@ -154,6 +155,45 @@ void stages(const Seeds& seeds) {
     seeds.write_file("stage_files_fuzz", "checkpoint", {5, 3});
 }
 
+void pictures(const Seeds& seeds) {
+    constexpr std::uint32_t width = 11, height = 9;
+    const auto write = [&](const std::string& name, const Bytes& bytes) { seeds.write("image_fuzz", name, {}, bytes); };
+    const auto samples = [](std::size_t channels, unsigned largest) {
+        std::vector<std::uint16_t> values;
+        for (unsigned k = 0; k < width * height * channels; ++k) values.push_back(static_cast<std::uint16_t>(k * 77 & largest));
+        return values;
+    };
+    using test::PngColour;
+    for (const bool is_interlaced : {false, true}) {
+        const std::string kind = is_interlaced ? "_interlaced.png" : ".png";
+        write("rgb_8" + kind, test::make_png({width, height, PngColour::rgb, 8, is_interlaced, samples(3, 255), {}, {}, {77, 154, 231}}));
+        write("rgba_16" + kind, test::make_png({width, height, PngColour::rgba, 16, is_interlaced, samples(4, 65535), {}, {}, {}}));
+        write("palette" + kind, test::make_png({width, height, PngColour::palette, 2, is_interlaced, samples(1, 3),
+                                                {{1, 2, 3}, {40, 50, 60}, {70, 80, 90}, {255, 0, 7}}, {0, 100}, {}}));
+        write("grey_1" + kind, test::make_png({width, height, PngColour::grey, 1, is_interlaced, samples(1, 1), {}, {}, {}}));
+    }
+    using test::JpegColour;
+    for (const bool is_progressive : {false, true}) {
+        const std::string kind = is_progressive ? "_progressive.jpg" : ".jpg";
+        std::vector<std::uint8_t> bytes;
+        for (const std::uint16_t value : samples(3, 255)) bytes.push_back(static_cast<std::uint8_t>(value));
+        write("colour" + kind, test::make_jpeg(width, height, JpegColour::halved, is_progressive, bytes));
+        bytes.resize(bytes.size() / 3);
+        write("grey" + kind, test::make_jpeg(width, height, JpegColour::grey, is_progressive, bytes));
+    }
+    using test::ExrKind;
+    std::vector<float> values;
+    for (const std::uint16_t value : samples(4, 255)) values.push_back(static_cast<float>(value) / 16);
+    const auto part = [&](const char* name, std::uint32_t tile, bool has_levels) {
+        return test::ExrSamplePart{name, {{"R", ExrKind::half_float}, {"G", ExrKind::float_32}, {"B", ExrKind::half_float}, {"id", ExrKind::uint_32}},
+                                   3, -4, tile, tile, has_levels, values};
+    };
+    write("lines.exr", test::make_exr(width, height, {part("", 0, false)}));
+    write("tiles.exr", test::make_exr(width, height, {part("", 4, false)}));
+    write("levels.exr", test::make_exr(width, height, {part("", 4, true)}));
+    write("parts.exr", test::make_exr(width, height, {part("a", 4, false), part("b", 0, false)}));
+}
+
 }  // namespace
 }  // namespace luxel::fuzz
 
@@ -170,6 +210,7 @@ int main(int count, char** arguments) {
     luxel::fuzz::directory(seeds);
     luxel::fuzz::atlas(seeds);
     luxel::fuzz::stages(seeds);
+    luxel::fuzz::pictures(seeds);
     for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);
     return 0;
 }
