@@ -118,6 +118,15 @@ TEST(PictureKinds, JpegGreyColourProgressive) {
         }
 }
 
+/// Some programs leave bytes between the parts of a file. They change nothing.
+TEST(PictureKinds, JpegWithStrayBytesIsRead) {
+    const Bytes clean = make_jpeg(45, 29, JpegColour::halved, false, smooth(45, 29, 3));
+    Bytes stray = clean;
+    stray.insert(stray.end() - 2, {0x11, 0x22, 0x33});  // before the end of image
+    const ImagePixels expected = decode_image(clean, "clean"), found = decode_image(stray, "stray");
+    EXPECT_EQ(found.pixels, expected.pixels);
+}
+
 TEST(PictureKinds, TruncatedJpegIsRefused) {
     for (const bool is_progressive : {false, true}) {
         const Bytes whole = make_jpeg(45, 29, JpegColour::halved, is_progressive, smooth(45, 29, 3));
