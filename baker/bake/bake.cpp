@@ -11,6 +11,7 @@
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
 #include "baker/core/parallel.h"
+#include "baker/light/pane_colour.h"
 #include "baker/output/seam_join.h"
 #include "formats/base/file.h"
 
@@ -77,8 +78,9 @@ BakeReport bake(const BakeOptions& options) {
     report.geometry_bytes = geometry->resident_bytes();
     ::malloc_trim(0);  // what the stages have freed is not needed, and would make the floor a matter of luck
     const std::uint64_t resident = resident_bytes_now();
-    const std::uint64_t fixed = resident > report.geometry_bytes ? resident - report.geometry_bytes : 0;
-    const MemoryPlan plan = plan_memory(options.memory_bytes, {.fixed_bytes = fixed,
+    const auto beside_geometry = [&](std::uint64_t bytes) { return bytes > report.geometry_bytes ? bytes - report.geometry_bytes : 0; };
+    const MemoryPlan plan = plan_memory(options.memory_bytes, {.fixed_bytes = beside_geometry(resident),
+                                                               .past_peak_bytes = beside_geometry(report.peak_bytes),
                                                                .patch_count = geometry->patches.count(),
                                                                .chunk_patches = options.chunk_patches,
                                                                .page_size = geometry->atlas.page_size,
@@ -89,7 +91,10 @@ BakeReport bake(const BakeOptions& options) {
                                                                .refines = options.gather_rays > 0 && options.error > 0,
                                                                .previews = options.preview_s > 0,
                                                                .seam_bytes = seam_join_bytes(geometry->seams),
-                                                               .layer_bytes_per_texel = layer_bytes_per_texel(options.layers)});
+                                                               .layer_bytes_per_texel = layer_bytes_per_texel(options.layers),
+                                                               .sky_width = geometry->scene.sky.width,
+                                                               .sky_height = geometry->scene.sky.height,
+                                                               .has_tinting_panes = has_tinting_panes(geometry->scene)});
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the pictures come: the floor counts only one of them.

@@ -3,7 +3,11 @@
 #include <algorithm>
 
 #include "baker/bake/page_image.h"
+#include "baker/formfactors/sky_view.h"
+#include "baker/light/pane_colour.h"
 #include "baker/light/radiosity_detail.h"
+#include "baker/light/sky.h"
+#include "baker/light/sky_split.h"
 #include "baker/solver/coarse_space.h"
 #include "formats/base/error.h"
 
@@ -14,6 +18,7 @@ constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 /// What is resident beside the geometry (program, libraries, what the allocator holds back) varies by some 20 MB from run
 /// to run; counted in whole steps, the floor that one run states is the floor of the next.
 constexpr std::uint64_t fixed_step_bytes = 32 * mebibyte;
+std::uint64_t whole_steps(std::uint64_t bytes) { return (bytes / fixed_step_bytes + 1) * fixed_step_bytes; }
 /// What a solve holds per patch: its input, area, reflectance, closure, tallies and index by id, and at the end the result (200
 /// in all); the solver's own vectors, and a copy of those that it goes on from on its way to the disk (144 in all for shooting,
 /// 464 for conjugate gradients). The coarse space and its copy come beside them.
@@ -48,6 +53,8 @@ constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 24 + 20 
 constexpr std::uint64_t refine_bytes_per_page_texel = 12 + 4 + 4 * 12 + 36 + 1 + 4;
 /// Of each page, while another is gathered: what its texels send, as spread from the patches and as they gather it first, and their errors.
 constexpr std::uint64_t kept_bytes_per_page_texel = 2 * RadiosityDetail::bytes_per_page_texel + 4;
+/// Of the sky's light on patches, before there is a matrix: lamps and sky, the bright sky alone, ids and neighbourhoods.
+constexpr std::uint64_t sky_bytes_per_patch = 2 * sizeof(Rgb) + 8 + 4;
 /// Smallest share that pooling and the block cache work with.
 constexpr std::uint64_t working_bytes = 24 * mebibyte;
 
@@ -67,12 +74,19 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
                                            demand.patch_count * solve_bytes_per_patch(demand.solver) +
                                                CoarseSpace::most_entries(demand.patch_count) * bytes_per_entry);
     const std::uint64_t solving = vectors + blocks + working_bytes;
-    const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks +
+    const std::uint64_t sky_pixels = std::uint64_t{demand.sky_width} * demand.sky_height;
+    const std::uint64_t aiming = sky_pixels ? Sky::bytes(demand.sky_width, demand.sky_height) : 0;
+    const std::uint64_t sky = !sky_pixels ? 0 : demand.patch_count * sky_bytes_per_patch + sky_view_block_bytes +
+                              sky_pixels * sky_split_bytes_per_pixel + aiming;
+    // Drafts light their texels in less than the solve takes, also with these. Finding the colours of panes takes less than
+    // the guides of light.
+    const std::uint64_t seen = aiming + (demand.has_tinting_panes ? demand.patch_count * pane_colour_bytes_per_patch : 0);
+    const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks + seen +
                                     page_texels * (gather_bytes_per_page_texel + (demand.refines ? refine_bytes_per_page_texel : 0) + demand.page_count * kept_bytes_per_page_texel);
-    const std::uint64_t fixed = (demand.fixed_bytes / fixed_step_bytes + 1) * fixed_step_bytes;
+    const std::uint64_t fixed = whole_steps(demand.fixed_bytes);
     MemoryPlan plan;
     const std::uint64_t aside = demand.previews ? pictures : 0;
-    plan.floor_bytes = fixed + std::max({writing, aside + solving, gathering});
+    plan.floor_bytes = std::max(fixed + std::max({sky, writing, aside + solving, gathering}), whole_steps(demand.past_peak_bytes));
     if (budget_bytes < plan.floor_bytes) {
         const std::uint64_t smallest = (plan.floor_bytes + mebibyte - 1) / mebibyte;
         throw Error(ErrorCode::budget_too_small, "--memory",

@@ -15,7 +15,8 @@ struct MemoryPlan {
 
 /// What a bake will hold.
 struct MemoryDemand {
-    std::uint64_t fixed_bytes = 0;  ///< resident now beside the geometry: program, libraries
+    std::uint64_t fixed_bytes = 0;      ///< resident now beside the geometry: program, libraries
+    std::uint64_t past_peak_bytes = 0;  ///< and at most so far: a sky's picture may be large before it is averaged
     std::uint64_t patch_count = 0;
     std::uint32_t chunk_patches = 16, page_size = 64, page_count = 1;
     unsigned threads = 1;
@@ -25,6 +26,8 @@ struct MemoryDemand {
     bool previews = false;                  ///< pictures are written while the light is solved
     std::uint64_t seam_bytes = 0;           ///< of joining seams (output/seam_join.h), before the pictures are written
     std::uint64_t layer_bytes_per_texel = 0;  ///< of what is written beside the lightmap (output/layers.h)
+    std::uint32_t sky_width = 0, sky_height = 0;  ///< pixels of the sky; 0: there is none
+    bool has_tinting_panes = false;               ///< light/pane_colour.h
 };
 
 /// Pure. Throws Error{budget_too_small} stating the smallest budget when the given one is below the floor.

@@ -5,7 +5,6 @@
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
 #include "baker/core/sobol.h"
-#include "baker/formfactors/sky_bins.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/core/ray_offset.h"
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "baker/formfactors/sky_bins.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
 #include "baker/unwrap/atlas.h"
@@ -16,6 +17,9 @@ struct SkyViewOptions {
     std::uint32_t rays = 256;  ///< per patch, a power of two, at most most_sky_rays
     std::uint64_t seed = 0;
 };
+
+/// Held while a block of patches is traced and written: rays by bin, what is kept of them, and its bytes before and after they are packed.
+constexpr std::uint64_t sky_view_block_bytes = std::uint64_t{sky_view_block} * (sky_bin_count * 2 + 3 * (2 + sky_bin_count * 3));
 
 /// The counts of patches [begin, end). A pure function of geometry, stable ids and options; uses all threads.
 SkyCounts count_sky_rays(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,

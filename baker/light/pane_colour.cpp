@@ -18,13 +18,6 @@ namespace {
 constexpr std::size_t batch = SobolSequence::batch;
 constexpr std::uint64_t purpose = 0x636f6c6f7572;  // separates these rays from those of the evidence
 
-bool tints(const Scene& scene) {
-    return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
-        const Material& m = scene.materials[object.material];
-        return m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
-    });
-}
-
 class PaneColours {
   public:
     PaneColours(const PaneColourInput& input, const PaneColourOptions& options) : in_(input), options_(options) {}
@@ -92,8 +85,15 @@ Series series_of(std::span<const Rgb> change, std::span<const Rgb> before) {
 
 }  // namespace
 
+bool has_tinting_panes(const Scene& scene) {
+    return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
+        const Material& m = scene.materials[object.material];
+        return m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
+    });
+}
+
 std::vector<Rgb> pane_colours(const PaneColourInput& input, const PaneColourOptions& options) {
-    if (!tints(input.scene)) return {};
+    if (!has_tinting_panes(input.scene)) return {};
     const PaneColours pane(input, options);
     std::vector<Rgb> colours(input.patches.count(), Rgb(1, 1, 1)), change(colours.size()), before;
     for (std::uint32_t step = 0; step < options.most_steps; ++step) {

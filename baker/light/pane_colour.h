@@ -37,6 +37,12 @@ struct PaneColourInput {
     std::span<const Rgb> lamp_irradiance;  ///< per patch, lux: its part of what is reflected keeps its colour
 };
 
+/// Does anything in the scene colour the light that it lets through?
+bool has_tinting_panes(const Scene& scene);
+
+/// Kept per patch where there are such panes. While it is found it takes three times that.
+constexpr std::uint64_t pane_colour_bytes_per_patch = sizeof(Rgb);
+
 /// C per patch; empty where nothing in the scene tints. Threads: uses them all; a pure function of its input.
 std::vector<Rgb> pane_colours(const PaneColourInput& input, const PaneColourOptions& options);
 

@@ -18,6 +18,10 @@ class Sky {
   public:
     /// Keeps a reference to `map`, which is not empty.
     explicit Sky(const SkyMap& map);
+    /// Of the tables that it makes of a map of this size.
+    static constexpr std::uint64_t bytes(std::uint64_t width, std::uint64_t height) {
+        return width * height * sizeof(float) + (height + 1) * (sizeof(double) + sizeof(float));
+    }
 
     /// `direction`: unit, away from the surface.
     [[nodiscard]] Rgb radiance(const Vec3f& direction) const { return map_.nits[pixel(direction)]; }

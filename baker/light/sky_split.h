@@ -16,6 +16,9 @@ struct SkySplit {
     SkyMap bright;          ///< what the pixels have above that; empty where there is none
 };
 
+/// Of the bright part, per pixel of the map. Finding it takes two bytes more, aiming at it takes more than that (Sky::bytes).
+constexpr std::uint64_t sky_split_bytes_per_pixel = sizeof(Rgb);
+
 /// bins and bright part together are the sky: their integrals over a bin add up to its. Threads: pure function.
 SkySplit split_sky(const SkyMap& map);
 

@@ -117,6 +117,43 @@ TEST(MemoryPlan, GatheringHoldsAPageAndTheDetailOfAll) {
     EXPECT_GE(thousand - ten, std::uint64_t{900} * 4 * size.page_size * size.page_size);
 }
 
+TEST(MemoryPlan, ASkyIsCountedOnlyWhereThereIsOne) {
+    const auto floor = [](Size size, std::uint32_t width, std::uint32_t height) {
+        size.sky_width = width, size.sky_height = height;
+        return plan(std::uint64_t{1} << 40, size).floor_bytes;
+    };
+    const std::uint64_t pixels = std::uint64_t{2048} * 1024;
+    // Of a small scene the picture decides: its bright part, and the table for aiming at it.
+    const Size& small = sizes[0];
+    EXPECT_GE(floor(small, 2048, 1024), small.fixed_bytes + 16 * pixels);
+    EXPECT_LE(floor(small, 2048, 1024), small.fixed_bytes + 32 * mebibyte + 17 * pixels + 4 * mebibyte);
+    EXPECT_EQ(floor(small, 1, 1), floor(small, 0, 0)) << "a sky of one colour has no tables";
+    // While a large scene is gathered there is only the table.
+    Size large = sizes[2];
+    large.gathers = true;
+    EXPECT_GE(floor(large, 2048, 1024), floor(large, 0, 0) + 4 * pixels);
+    EXPECT_LE(floor(large, 2048, 1024), floor(large, 0, 0) + 5 * pixels);
+}
+
+TEST(MemoryPlan, WhatWasHeldBeforeIsPartOfTheFloor) {
+    const auto floor = [](std::uint64_t past_peak_bytes) {
+        Size size = sizes[0];
+        size.past_peak_bytes = past_peak_bytes;
+        return plan(std::uint64_t{1} << 40, size).floor_bytes;
+    };
+    EXPECT_EQ(floor(sizes[0].fixed_bytes), floor(0)) << "no more than is resident now";
+    EXPECT_GT(floor(700 * mebibyte), 700 * mebibyte);
+    EXPECT_LE(floor(700 * mebibyte), 732 * mebibyte) << "nothing comes beside it";
+}
+
+TEST(MemoryPlan, ColoursOfPanesAreCountedOnlyWhereThereArePanes) {
+    Size size = sizes[2];
+    size.gathers = true;
+    const std::uint64_t without = plan(std::uint64_t{1} << 40, size).floor_bytes;
+    size.has_tinting_panes = true;
+    EXPECT_EQ(plan(std::uint64_t{1} << 40, size).floor_bytes, without + size.patch_count * 12);
+}
+
 TEST(MemoryPlan, TheFloorGrowsWithTheScene) {
     EXPECT_LT(stated_floor(sizes[0]), stated_floor(sizes[1]));
     EXPECT_LT(stated_floor(sizes[1]), stated_floor(sizes[2]));
