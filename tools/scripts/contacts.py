@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Remakes the pictures of docs/texel-light.md: small scenes baked by two builds of luxel, light only, beside each other; prints how far the light is off.
 
-usage: build/deps/reference/bin/python tools/scripts/contacts.py [--before LUXEL] [--luxel LUXEL] [--out docs/contacts] [--work DIR]
+usage: build/deps/reference/bin/python tools/scripts/contacts.py [--before LUXEL] [--luxel LUXEL] [--out docs/contacts] [--work DIR] [SCENE ...]
 
 round    a ball of 12 meridians and 8 circles of latitude with round normals, in the sun and under a sky
 foot     a box with a post in it, sunk into the floor of a room: texels of the floor along its outline against path tracing
---before: an older build for the left half of each picture; without it the pictures have one half.
+corner   a box that stands in the corner of a room: a draft, which has the light of patches, beside gathered light and path tracing
+--before: an older build for the left half of round and foot; without it these have one half.
 """
 import argparse
 import math
@@ -28,6 +29,8 @@ PANEL = (360, 300)
 DENSITY = 16   # texels per metre of the box
 HALF = (0.45, 0.35)   # of the sunk box
 PLACE, TURN = (1.7, 1.6), 20.0
+BOX = ((0.4, 0.0, 0.04), (0.9, 0.4, 0.44))   # 4 cm from the wall behind it
+PATHS = 64   # of a sample of the path traced picture, which has nine a pixel
 
 
 def smooth(gltf, name, points, triangles, normals, material):
@@ -86,6 +89,18 @@ def foot_scene(folder):
     gltf.save(folder, "foot")
 
 
+def corner_scene(folder):
+    gltf = Gltf()
+    white, grey = gltf.material("white", (0.7, 0.7, 0.7)), gltf.material("grey", (0.5, 0.5, 0.5))
+    lamp = gltf.material("lamp", (0, 0, 0), [2000] * 3)
+    walls = [rectangle(axis, at, low, high, sign) for axis, low, high in ((0, (0, 0), (2.5, 3)), (1, (0, 0), (3, 3)), (2, (0, 0), (3, 2.5)))
+             for at, sign in ((0.0, 1), (2.5 if axis == 1 else 3.0, -1))]
+    gltf.piece("walls", walls, white)
+    gltf.piece("panel", [rectangle(1, 2.45, (1.7, 1.0), (2.3, 1.6), -1)], lamp)
+    gltf.piece("box", box(*BOX, omit=("-y",)), grey)
+    gltf.save(folder, "corner")
+
+
 def outside_m(points):
     """How far places are outside of the box's outline."""
     a, x, z = math.radians(TURN), points[:, 0] - PLACE[0], points[:, 2] - PLACE[1]
@@ -93,12 +108,25 @@ def outside_m(points):
 
 
 SCENES = {"round": (round_scene, ["--texels-per-metre", "24", "--sky-color", "40,48,60"], ((-0.7, 0.5, 2.9), (0.0, -0.1, 0))),
-          "foot": (foot_scene, ["--texels-per-metre", str(DENSITY)], ((0.45, 0.75, 2.75), (1.75, 0.1, 1.55)))}
+          "foot": (foot_scene, ["--texels-per-metre", str(DENSITY)], ((0.45, 0.75, 2.75), (1.75, 0.1, 1.55))),
+          "corner": (corner_scene, ["--texels-per-metre", str(DENSITY)], ((1.3, 0.65, 1.2), (0.55, 0.16, 0.25)))}
 
 
-def bake(luxel, folder, scene, name):
+class TrueView(render.View):
+    """What path tracing finds where View reads the lightmap."""
+
+    def shade(self, position, directions, light_only=False):
+        triangle, weights, _, front = self.hits(position, directions)
+        points = (weights[front][..., None] * self.scene.corners[triangle[front]]).sum(1)[:, None]
+        flat = self.scene.flat[triangle[front]][:, None]
+        light = np.zeros((len(directions), 3))
+        light[front] = self.tracer.irradiance(points, flat, flat, PATHS)[0] / np.pi
+        return light, front
+
+
+def bake(luxel, folder, scene, name, *options):
     out = os.path.join(folder, name, scene + ".glb")
-    subprocess.run([luxel, "bake", os.path.join(folder, scene + ".gltf"), "-o", out, "-q", *SCENES[scene][1]], check=True)
+    subprocess.run([luxel, "bake", os.path.join(folder, scene + ".gltf"), "-o", out, "-q", *SCENES[scene][1], *options], check=True)
     return out
 
 
@@ -111,8 +139,24 @@ def report_foot(folder, out, name):
     print(f"foot, {name}: {chosen.sum()} texels, light {baked.sum() / truth.sum() - 1:+.1%}, median error {np.median(abs(baked - truth) / truth):.1%}", flush=True)
 
 
-def picture(paths, camera, target):
-    views = {name: render.View(path) for name, path in paths.items()}
+def report_corner(folder, paths):
+    """Light of the texels along contacts against path tracing."""
+    truth = reference.Truth(os.path.join(folder, "corner.gltf"), paths["draft"], 6000, 512)
+    for name, out in paths.items():
+        _, arrays, _ = truth.against(out)
+        chosen = is_at_contact(arrays["position"])
+        found = reference.figures(*(arrays[k][chosen] for k in ("baked", "truth", "error")))
+        print(f"corner, {name}: {found['points']} texels, light {found['bias']:+.1%}, median error {found['median']:.1%}, "
+              f"95 % below {found['p95']:.0%}", flush=True)
+
+
+def is_at_contact(place):
+    """Is a place within a texel of two of these: the floor, the two walls, the box?"""
+    at_box = np.maximum(BOX[0] - place, place - BOX[1]).max(1) < 1 / DENSITY
+    return (place < 1 / DENSITY).sum(1) + at_box >= 2
+
+
+def picture(views, camera, target):
     camera = cameras.Camera(*camera, 45.0)
     last = list(views.values())[-1]
     exposure = 1.3 * render.automatic_exposure(*last.shade(camera.position, camera.directions(*PANEL, 1), True))
@@ -121,19 +165,32 @@ def picture(paths, camera, target):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=", ".join(SCENES))
     parser.add_argument("--before", metavar="LUXEL")
     parser.add_argument("--luxel", default=os.path.join(ROOT, "build", "dev", "tools", "luxel", "luxel"))
     parser.add_argument("--out", default=os.path.join(ROOT, "docs", "contacts"), metavar="DIR")
     parser.add_argument("--work", metavar="DIR")
     options = parser.parse_args()
+    unknown = [scene for scene in options.scenes if scene not in SCENES]
+    if unknown:
+        parser.error(f"no scene {', '.join(unknown)}; known are {', '.join(SCENES)}")
     os.makedirs(options.out, exist_ok=True)
     with tempfile.TemporaryDirectory() as temporary:
         folder = os.path.abspath(options.work or temporary)
-        for scene, (make, _, camera) in SCENES.items():
+        for scene in options.scenes or SCENES:
+            make, _, camera = SCENES[scene]
             make(folder)
-            builds = {"before": options.before, "after": options.luxel} if options.before else {"after": options.luxel}
-            paths = {name: bake(luxel, folder, scene, name) for name, luxel in builds.items()}
-            picture(paths, camera, os.path.join(options.out, scene + ".jpg"))
+            if scene == "corner":
+                paths = {quality: bake(options.luxel, folder, scene, quality, "--quality", quality) for quality in ("draft", "medium")}
+            else:
+                builds = {"before": options.before, "after": options.luxel} if options.before else {"after": options.luxel}
+                paths = {name: bake(luxel, folder, scene, name) for name, luxel in builds.items()}
+            views = {name: render.View(path) for name, path in paths.items()}
+            if scene == "corner":
+                views["path tracing"] = TrueView(paths["medium"])
+            picture(views, camera, os.path.join(options.out, scene + ".jpg"))
+            if scene == "corner":
+                report_corner(folder, paths)
             if scene == "foot":
                 for name, out in paths.items():
                     report_foot(folder, out, name)
