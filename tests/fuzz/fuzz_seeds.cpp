@@ -11,6 +11,7 @@
 #include "formats/bake/evidence_file.h"
 #include "formats/bake/gap_symbols.h"
 #include "formats/bake/patches_file.h"
+#include "formats/bake/sky_view_file.h"
 #include "formats/base/compress.h"
 #include "tests/fuzz/fuzz_file.h"
 #include "tests/fuzz/fuzz_scene.h"
@@ -137,6 +138,24 @@ void atlas(const Seeds& seeds) {
     seeds.write_file("atlas_fuzz", "boxes");
 }
 
+void sky_view(const Seeds& seeds) {
+    const auto write = [&](const std::string& name, std::uint64_t patches, std::uint32_t rays, const std::vector<SkyCounts>& blocks) {
+        SkyViewWriter file(seeds.path(), key, patches, rays);
+        for (const SkyCounts& block : blocks) file.append(block);
+        file.publish();
+        seeds.write_file("sky_view_fuzz", name);
+    };
+    const SkyCounts three{{2, 0, 1}, {5, 9, 255}, {2, 1, 4}};
+    write("none", 0, 64, {});
+    write("three", 3, 4, {three});
+    // A full block, of patches under cover but for one, and what is left.
+    SkyCounts full;
+    full.bins_of_patch.assign(sky_view_block, 0);
+    full.bins_of_patch[1] = 256;
+    for (unsigned bin = 0; bin < 256; ++bin) full.bins.push_back(static_cast<std::uint8_t>(bin)), full.counts.push_back(128);
+    write("two_blocks", sky_view_block + 3, most_sky_rays, {full, three});
+}
+
 /// First byte as in stage_files_fuzz: the stage; second: three patches.
 void stages(const Seeds& seeds) {
     const std::vector<Channels> channels{{1, 2, 3}, {0.5, 0, 1e30}, {4, 5, 6}};
@@ -209,6 +228,7 @@ int main(int count, char** arguments) {
     luxel::fuzz::patches(seeds);
     luxel::fuzz::directory(seeds);
     luxel::fuzz::atlas(seeds);
+    luxel::fuzz::sky_view(seeds);
     luxel::fuzz::stages(seeds);
     luxel::fuzz::pictures(seeds);
     for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
+#include "tests/support/damage.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel {
@@ -94,6 +93,40 @@ TEST(SkyViewFile, RejectsWhatCannotBe) {
     }
     EXPECT_TRUE(is_refused({1, 0, 0}, {{2, 0, 5, 9, 2, 0, 1, 0}}));
     EXPECT_THROW(SkyViewReader(folder / "none", key), Error);
+}
+
+TEST(SkyViewFile, ASizeThatIsALieGetsNoMemory) {
+    const TemporaryFolder folder;
+    const auto message = [&](const Bytes& head, const Bytes& block) {
+        BlockFileWriter file(folder / "sky", FileKind::sky_view, sky_view_version, key);
+        file.append(0, head, 1);
+        file.append(1, block, 1);
+        file.publish();
+        try {
+            const SkyViewReader reader(folder / "sky", key);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::damaged_store);
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    // Zeros take next to nothing on the disk: the frame's own size is no limit.
+    const Bytes head{1, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 1, 0, 0}, zeros(1 << 24);
+    EXPECT_EQ(message(head, {0, 0}), "");
+    EXPECT_NE(message(head, zeros).find("block 1: expected at most 788480 bytes, found 16777216"), std::string::npos);
+    EXPECT_NE(message(zeros, {0, 0}).find("head: expected 16 bytes, found 16777216"), std::string::npos);
+}
+
+TEST(SkyViewFile, RefusesDamage) {
+    const TemporaryFolder folder;
+    const auto path = folder / "sky";
+    SkyViewWriter writer(path, key, 3, 4);
+    writer.append({{2, 0, 1}, {5, 9, 255}, {2, 1, 4}});
+    writer.publish();
+    test::expect_guarded(path, [&] {
+        const SkyViewReader reader(path, key);
+        for (std::size_t k = 0; k < reader.block_count(); ++k) static_cast<void>(reader.read(k));
+    });
 }
 
 }  // namespace
