@@ -108,10 +108,11 @@ void add_visible(const TexelSet& texels, KeyBuilder& key) {
                     .integer(fragments[f].visible_parts);
         const std::vector<Texel>& list = texels.pages[page].texels;
         for (std::size_t t = 0; t < list.size(); ++t)
-            if (!list[t].joined_right || !list[t].joined_down)
+            if (!list[t].joined_right || !list[t].joined_down || list[t].own_side != all_visible)
                 key.integer(static_cast<std::int64_t>(page))
                     .integer(static_cast<std::int64_t>(t))
-                    .integer(2 * list[t].joined_right + list[t].joined_down);
+                    .integer(2 * list[t].joined_right + list[t].joined_down)
+                    .integer(list[t].own_side);
     }
 }
 

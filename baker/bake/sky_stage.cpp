@@ -54,7 +54,7 @@ bool add_binned(const SkyViewReader& view, std::span<const Rgb> bin_nits, std::v
 }  // namespace
 
 Key sky_view_key(const BakeOptions& options, const BakedGeometry& g) {
-    return KeyBuilder("sky view 2")
+    return KeyBuilder("sky view 3")
         .key(g.layout_key)
         .text(tracer_identity())
         .integer(static_cast<std::int64_t>(options.seed))

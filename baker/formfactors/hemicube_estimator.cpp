@@ -114,7 +114,7 @@ class HemicubeEstimator final : public Estimator {
     }
 
     [[nodiscard]] Key identity() const override {
-        return KeyBuilder("hemicube estimator 2")
+        return KeyBuilder("hemicube estimator 3")
             .text(tracer_identity())
             .integer(static_cast<std::int64_t>(options_.seed))
             .integer(options_.resolution)

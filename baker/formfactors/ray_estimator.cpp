@@ -76,7 +76,7 @@ class RayEstimator final : public Estimator {
     [[nodiscard]] std::uint32_t replicate_count() const override { return options_.replicates; }
 
     [[nodiscard]] Key identity() const override {
-        return KeyBuilder("ray estimator 5")
+        return KeyBuilder("ray estimator 6")
             .text(tracer_identity())
             .integer(static_cast<std::int64_t>(options_.seed))
             .integer(options_.replicates)

@@ -43,11 +43,15 @@ void RadiosityDetail::add_page(const TexelSet& texels, const PatchSet& patches, 
     codes.assign(std::size_t{texels.page_size} * texels.page_size, neutral | neutral << 10 | neutral << 20);
     const std::vector<Texel>& content = texels.pages[page].texels;
     const auto place = [&](const Texel& texel) { return std::size_t{texel.y} * texels.page_size + texel.x; };
+    // What both sides of a wall have on average is true on neither.
+    const auto counts = [&](const Texel& texel) {
+        return patches.page_patch[page][place(texel)] != no_patch && texel.visible_m2 > 0 && texel.own_side == all_visible;
+    };
     // Radiosity that the texels of a patch would have, so that only what differs between them is kept.
     std::vector<std::array<double, 4>> mean(reflected_.size());
     for (std::size_t k = 0; k < content.size(); ++k) {
+        if (!counts(content[k])) continue;
         const PatchNumber patch = patches.page_patch[page][place(content[k])];
-        if (patch == no_patch || content[k].visible_m2 <= 0) continue;
         const auto area = static_cast<double>(content[k].visible_m2);
         for (int c = 0; c < 3; ++c)
             mean[patch][static_cast<std::size_t>(c)] += area * static_cast<double>(content[k].reflectance[c] * irradiance[k][c]);
@@ -58,8 +62,8 @@ void RadiosityDetail::add_page(const TexelSet& texels, const PatchSet& patches, 
             if (mean[p][3] > 0)
                 for (std::size_t c = 0; c < 3; ++c) reflected_[p][static_cast<int>(c)] = static_cast<float>(mean[p][c] / mean[p][3]);
     for (std::size_t k = 0; k < content.size(); ++k) {
+        if (!counts(content[k])) continue;
         const PatchNumber patch = patches.page_patch[page][place(content[k])];
-        if (patch == no_patch || content[k].visible_m2 <= 0) continue;
         std::uint32_t packed = 0;
         for (int c = 0; c < 3; ++c) {
             const auto channel = static_cast<std::size_t>(c);

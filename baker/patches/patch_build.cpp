@@ -162,21 +162,27 @@ std::vector<std::vector<std::uint32_t>> texel_images(const TexelSet& texels) {
     return images;
 }
 
-std::uint32_t visible_fragments(const PageTexels& page, const Texel& texel) {
-    const auto first = page.fragments.begin() + texel.first_fragment;
-    return static_cast<std::uint32_t>(
-        std::count_if(first, first + texel.fragment_count, [](const Fragment& f) { return f.visible != none_visible; }));
+/// The fragments of a texel that rays of its patch may start on, and where on them.
+std::vector<Fragment> starting_fragments(const Scene& scene, const Atlas& atlas, const PageTexels& page, const Texel& texel) {
+    std::vector<Fragment> all, own;
+    for (std::uint32_t f = texel.first_fragment; f < texel.first_fragment + texel.fragment_count; ++f) {
+        if (page.fragments[f].visible == none_visible) continue;
+        all.push_back(page.fragments[f]);
+        if (texel.own_side == all_visible) continue;
+        own.push_back(page.fragments[f]);
+        own.back().visible = cells_on_own_side(scene, atlas, texel, own.back());
+        if (own.back().visible == none_visible) own.pop_back();
+    }
+    return own.empty() ? all : own;
 }
 
 /// Writes patch `number` and its fragments at their places, which are known beforehand.
-void write_patch(const PageTexels& page, const ChartPatches::Found& found, PatchNumber number,
+void write_patch(const Scene& scene, const Atlas& atlas, const PageTexels& page, const ChartPatches::Found& found, PatchNumber number,
                  std::uint32_t fragment_at, std::vector<PatchNumber>& image, PatchSet& set) {
     for (const std::uint32_t t : found.texels) {
         const Texel& texel = page.texels[t];
         image[std::size_t{texel.y} * set.page_size + texel.x] = number;
-        for (std::uint32_t f = 0; f < texel.fragment_count; ++f)
-            if (const Fragment& fragment = page.fragments[texel.first_fragment + f]; fragment.visible)
-                set.fragments[fragment_at++] = fragment;
+        for (const Fragment& fragment : starting_fragments(scene, atlas, page, texel)) set.fragments[fragment_at++] = fragment;
     }
 }
 
@@ -205,6 +211,7 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
     });
     PatchSet set;
     set.page_size = texels.page_size;
+    set.parted = PartedTexels(texels);
     set.page_patch.resize(texels.pages.size());
     for (auto& image : set.page_patch) image.assign(std::size_t{texels.page_size} * texels.page_size, no_patch);
     std::vector<PatchNumber> first_patch(found.size());
@@ -214,7 +221,8 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
         const PageTexels& page = texels.pages[atlas.charts[c].page];
         for (const auto& patch : found[c]) {
             std::uint32_t fragments = 0;
-            for (const std::uint32_t t : patch.texels) fragments += visible_fragments(page, page.texels[t]);
+            for (const std::uint32_t t : patch.texels)
+                fragments += static_cast<std::uint32_t>(starting_fragments(scene, atlas, page, page.texels[t]).size());
             set.fragment_begin.push_back(set.fragment_begin.back() + fragments);
         }
     }
@@ -230,7 +238,7 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
             patch.chart = static_cast<std::uint32_t>(c);
             patch.id = patch_id(scene.objects[chart.object], chart, atlas.texels_per_metre, options.patch_texels,
                                 source.cell_x, source.cell_y, source.set, false, 0);
-            write_patch(page, source, number, set.fragment_begin[number], set.page_patch[chart.page], set);
+            write_patch(scene, atlas, page, source, number, set.fragment_begin[number], set.page_patch[chart.page], set);
         }
     });
     check_ids(set);

@@ -11,6 +11,7 @@ std::uint64_t PatchSet::resident_bytes() const {
     std::uint64_t bytes = patches.capacity() * sizeof(Patch) + fragment_begin.capacity() * sizeof(std::uint32_t) +
                           fragments.capacity() * sizeof(Fragment);
     for (const auto& page : page_patch) bytes += page.capacity() * sizeof(PatchNumber);
+    bytes += parted.resident_bytes();
     return bytes;
 }
 
@@ -37,6 +38,7 @@ void renumber(PatchSet& set, std::span<const PatchNumber> new_number) {
         result.fragments.insert(result.fragments.end(), fragments.begin(), fragments.end());
         result.fragment_begin.push_back(static_cast<std::uint32_t>(result.fragments.size()));
     }
+    result.parted = std::move(set.parted);
     result.page_patch = std::move(set.page_patch);
     for (auto& page : result.page_patch)
         for (PatchNumber& number : page)

@@ -34,6 +34,9 @@ struct Texel {
     Rgb emission;          ///< the same of the exitance M, lm/m2
     /// Nothing parts it from the next texel of its chart along x, along y: set by trace/texel_joints.h. True where there is none.
     bool joined_right = true, joined_down = true;
+    /// Cells of its square (bit 4 * row + column) on its own side of a wall without thickness that parts it from the texel beyond; all
+    /// where there is none. Set with the joints.
+    VisibleCells own_side = all_visible;
 };
 
 /// One page: texels in raster order (y, then x), fragments in texel order.

@@ -6,6 +6,8 @@
 #include <set>
 
 #include "baker/patches/fragment_polygon.h"
+#include "baker/patches/patch_sampler.h"
+#include "baker/trace/surface_map.h"
 #include "tests/support/scenes.h"
 
 namespace luxel {
@@ -54,6 +56,43 @@ test::SceneMaker floor_with_sheet(double x, bool sheet) {
     if (sheet) maker.add("sheet", quad({0, 0, 0}, {0, 0, 4}, {0, 2, 0}), both, {x, 0, 0});
     maker.add("far", quad({0, 5, 0}, {4, 0, 0}, {0, 0, 4}));  // light for both sides
     return maker;
+}
+
+/// Patches that rays from above meet on the floor at these x, metres, along its whole depth.
+std::set<PatchNumber> met_at(const test::Prepared& made, const std::vector<double>& xs) {
+    std::set<PatchNumber> met;
+    for (const double x : xs)
+        for (int k = 0; k < 100; ++k) {
+            const Vec3d from(x - made.scene.origin.x, 1 - made.scene.origin.y, 0.02 + 0.0396 * k - made.scene.origin.z);
+            const Landing at = landing(made.scene, made.atlas, made.patches, made.tracer->first_hit({to_float(from), {0, -1, 0}, none}));
+            if (at.end == RayEnd::patch) met.insert(at.patch);
+        }
+    return met;
+}
+
+/// The sheet runs through the middle of a column of texels: no patch receives light on both sides of it, and none sends where
+/// it does not receive, to a cell: which of a texel are on which side their middles decide, and those of its triangles are slanted.
+TEST(TexelJoints, NoPatchReachesThroughASheetInsideATexel) {
+    const double texel = 1.0 / 8, cell = texel / 4;
+    for (const double x : {2 + 1.3 * texel, 2 + 1.5 * texel, 2 + 3.7 * texel}) {
+        const auto made = test::prepare(floor_with_sheet(x, true).build());
+        std::vector<double> left, right;
+        for (const double away : {0.51 * cell, cell, 0.4 * texel, 0.9 * texel, 2 * texel}) left.push_back(x - away), right.push_back(x + away);
+        const std::set<PatchNumber> on_left = met_at(*made, left), on_right = met_at(*made, right);
+        EXPECT_GE(on_left.size(), 8u);
+        EXPECT_GE(on_right.size(), 8u);
+        for (const PatchNumber p : on_left) EXPECT_FALSE(on_right.contains(p)) << x;
+        for (const auto& [patches, side] : {std::pair{&on_left, -1.0}, {&on_right, 1.0}})
+            for (const PatchNumber p : *patches) {
+                const PatchSampler sampler(made->scene, made->atlas, made->patches, p);
+                for (float u = 0.01f; u < 1; u += 0.06f)
+                    for (float v = 0.01f; v < 1; v += 0.06f) {
+                        const double at = static_cast<double>(sampler.point(u, v).position.x) + made->scene.origin.x;
+                        EXPECT_GT(side * (at - x), -cell) << "patch " << p << " of the sheet at " << x;
+                    }
+            }
+    }
+    EXPECT_TRUE(test::prepare(floor_with_sheet(2.2, false).build())->patches.parted.empty());
 }
 
 TEST(TexelJoints, ASheetPartsThePatchesOfTheFloor) {
