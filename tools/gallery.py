@@ -24,7 +24,7 @@ SCENES = [  # name, file, what it is; {scenes} is --scenes
     ("corridor_16", "samples/corridor_16/corridor_16.gltf", "16 furnished rooms, doors, a lamp in two of three"),
 ]
 SIZE = "480x320"
-NOISE = 0.2          # of the 95th percentile: more paths are traced while the truth's noise alone would give more,
+NOISE = 0.35         # of the 95th percentile: more paths are traced while the truth's noise alone would give more,
 MOST_SPP = 65536     # up to so many
 
 

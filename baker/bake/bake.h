@@ -71,7 +71,7 @@ struct BakeOptions {
     double tolerance = 1e-3;          ///< of the solve: bound of the relative error
     std::uint32_t lamp_points = 4;    ///< per texel and per patch, a power of two
     /// The same where a shadow may have its edge.
-    [[nodiscard]] std::uint32_t edge_lamp_points() const { return 16 * lamp_points; }
+    [[nodiscard]] std::uint32_t edge_lamp_points() const { return 8 * lamp_points; }
     std::uint32_t gather_rays = 256;  ///< per texel, a power of two; 0: draft, patches are interpolated
     std::uint32_t most_gather_rays = 4096;  ///< per texel, where `error` asks for more than gather_rays
     std::uint32_t share_texels = 8;   ///< radius over which gathered light may be shared, 0: not (light/share_light.h), at most 8

@@ -19,7 +19,7 @@ namespace {
 std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
 
 /// Where shadows may have their edges, lamps are tested at so many points of a texel in the first gathering, elsewhere at one.
-constexpr std::uint32_t first_edge_points = 16;
+constexpr std::uint32_t first_edge_points = 4;
 
 /// Of the page's mean light: what is darker may be wrong by as much as what is as bright as this.
 constexpr float dark_share = 0.01f;

@@ -16,8 +16,10 @@ constexpr double weak_share = 0.1;
 float best_cosine(const Lamp& lamp, const Vec3f& to_lamp, float distance, float around_m) {
     if (!(distance > around_m)) return 1;
     const float cosine = std::clamp(-lamp.direction.dot(to_lamp) / distance, -1.0f, 1.0f);
-    if (around_m == 0) return cosine;
-    return std::cos(std::max(0.0f, std::acos(cosine) - std::asin(around_m / distance)));
+    // The cosine of the difference of two angles: to the middle of the ball, and of half its apparent diameter.
+    const float sine_of_half = around_m / distance, cosine_of_half = std::sqrt(1 - sine_of_half * sine_of_half);
+    if (cosine >= cosine_of_half) return 1;
+    return cosine * cosine_of_half + std::sqrt(1 - cosine * cosine) * sine_of_half;
 }
 
 /// 0 only where no point of the ball can get light.
@@ -29,7 +31,8 @@ float strength_of(const Lamp& lamp, const Vec3f& place, float around_m, const Ve
     const float distance = to_lamp.length(), reach = around_m + lamp.radius;
     const float nearest = std::max(distance, reach);  // from inside the ball any distance is possible
     if (!(nearest > 0)) return 0;
-    const float shape = cone_share(lamp, best_cosine(lamp, to_lamp, distance, around_m)) * range_share(lamp, std::max(0.0f, distance - around_m));
+    const float cone = lamp.kind == LampKind::spot ? cone_share(lamp, best_cosine(lamp, to_lamp, distance, around_m)) : 1.0f;
+    const float shape = cone * range_share(lamp, std::max(0.0f, distance - around_m));
     const float cosine = normal ? std::clamp((to_lamp.dot(*normal) + reach) / nearest, 0.0f, 1.0f) : 1.0f;
     return std::min(all * shape * cosine / (nearest * nearest), std::numeric_limits<float>::max());
 }

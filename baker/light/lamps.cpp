@@ -138,21 +138,24 @@ Rgb LampLight::irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec
 }
 
 Rgb LampLight::irradiance(const LightPoint& at, float random, const Vec2f& on_lamp) const {
-    return irradiance(rank_lamps(lamp_strengths(scene_.lamps, at.position, 0, &at.shading_normal)), at, random, on_lamp);
+    const RankedLamps lamps = rank_lamps(lamp_strengths(scene_.lamps, at.position, 0, &at.shading_normal));
+    return strong_irradiance(lamps, at, on_lamp) + weak_irradiance(lamps, at, random, on_lamp);
 }
 
-Rgb LampLight::irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const {
+Rgb LampLight::strong_irradiance(const RankedLamps& lamps, const LightPoint& at, const Vec2f& on_lamp) const {
     Rgb sum(0, 0, 0);
     for (const std::uint32_t lamp : lamps.strong) sum += irradiance_of(lamp, at, on_lamp);
-    if (lamps.weak.empty()) return sum;
-    for (int k = 0; k < RankedLamps::weak_choices; ++k)  // evenly spaced along the cumulative strengths
-        sum += weak_irradiance(lamps, at, (static_cast<float>(k) + random) / RankedLamps::weak_choices, on_lamp) / RankedLamps::weak_choices;
     return sum;
 }
 
 Rgb LampLight::weak_irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const {
-    const LampTable::Choice choice = lamps.weak.choose(random);
-    return irradiance_of(choice.lamp, at, on_lamp) / choice.probability;
+    Rgb sum(0, 0, 0);
+    if (lamps.weak.empty()) return sum;
+    for (int k = 0; k < RankedLamps::weak_choices; ++k) {  // evenly spaced along the cumulative strengths
+        const LampTable::Choice choice = lamps.weak.choose((static_cast<float>(k) + random) / RankedLamps::weak_choices);
+        sum += irradiance_of(choice.lamp, at, on_lamp) / choice.probability;
+    }
+    return sum / RankedLamps::weak_choices;
 }
 
 }  // namespace luxel

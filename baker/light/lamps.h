@@ -46,9 +46,8 @@ class LampLight {
     /// a few are chosen in proportion to what they would give. The mean over `random` in [0, 1) and `on_lamp` in the unit
     /// square is exact.
     [[nodiscard]] Rgb irradiance(const LightPoint& at, float random, const Vec2f& on_lamp) const;
-    /// The same of lamps that were ranked for points around this one.
-    [[nodiscard]] Rgb irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const;
-    /// Of the weak ones, lux: by one of them. Not empty.
+    /// Its two parts, of lamps that were ranked for points around this one.
+    [[nodiscard]] Rgb strong_irradiance(const RankedLamps& lamps, const LightPoint& at, const Vec2f& on_lamp) const;
     [[nodiscard]] Rgb weak_irradiance(const RankedLamps& lamps, const LightPoint& at, float random, const Vec2f& on_lamp) const;
     /// Of one lamp, with its shadow, lux; the mean over `on_lamp` is exact. `lamp`: index into Scene::lamps.
     [[nodiscard]] Rgb irradiance_of(std::uint32_t lamp, const LightPoint& at, const Vec2f& on_lamp) const;

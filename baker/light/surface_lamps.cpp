@@ -10,6 +10,8 @@ namespace {
 
 /// Lamps that seem to be even may cost as much as so many that are not.
 constexpr std::size_t even_tests = 4;
+/// The weak lamps, which are a tenth of the light, are asked at every so many of the points.
+constexpr std::size_t weak_part = 4;
 /// Names of the patterns of points, and of those on lamps.
 constexpr std::uint64_t first_points = 0x6c616d7073, further_points = 0x65646765, points_on_lamps = 0x6f6e6c616d70;
 
@@ -36,15 +38,17 @@ std::vector<SurfaceLamps::Sample> SurfaceLamps::samples(const Piece& piece, std:
     return samples;
 }
 
-Rgb SurfaceLamps::by_few(const Piece& piece, std::uint32_t points, LightRange& range) const {
+SurfaceLamps::Few SurfaceLamps::by_few(const Piece& piece, std::uint32_t points) const {
     const RankedLamps lamps = ranked(piece);
-    Rgb sum(0, 0, 0);
+    Few few;
     for (const Sample& sample : samples(piece, first_points, points)) {
-        const Rgb light = lamps_.irradiance(lamps, sample.at, sample.random, sample.on_lamp);
-        sum += light;
-        range.add(luminance(light));
+        const Rgb strong = lamps_.strong_irradiance(lamps, sample.at, sample.on_lamp);
+        few.light += strong + lamps_.weak_irradiance(lamps, sample.at, sample.random, sample.on_lamp);
+        few.strong += luminance(strong);
+        few.range.add(luminance(strong));
     }
-    return sum / static_cast<float>(points);
+    few.light /= static_cast<float>(points), few.strong /= static_cast<float>(points);
+    return few;
 }
 
 Rgb SurfaceLamps::by_many(const Piece& piece, std::uint32_t few_points, std::uint32_t points, float other) const {
@@ -62,7 +66,7 @@ Rgb SurfaceLamps::by_many(const Piece& piece, std::uint32_t few_points, std::uin
     }
     // Of a lamp that seems to be even; the first points of a pattern are a pattern themselves.
     const std::size_t share = even_tests * further.size() / std::max<std::size_t>(lamps.strong.size(), 1);
-    const std::size_t few = std::clamp(std::bit_floor(share), std::min(2 * first.size(), further.size()), further.size());
+    const std::size_t few = std::clamp(std::bit_floor(share), first.size(), further.size());
     Rgb sum(0, 0, 0);
     for (std::size_t lamp = 0; lamp < ranges.size(); ++lamp) {
         const std::size_t count = ranges[lamp].is_wide(all) ? further.size() : few;
@@ -70,10 +74,10 @@ Rgb SurfaceLamps::by_many(const Piece& piece, std::uint32_t few_points, std::uin
         for (std::size_t k = 0; k < count; ++k) light += lamps_.irradiance_of(lamps.strong[lamp], further[k].at, further[k].on_lamp);
         sum += light / static_cast<float>(count);
     }
-    if (lamps.weak.empty()) return sum;
+    const std::size_t weak_count = std::max<std::size_t>(further.size() / weak_part, 1);
     Rgb light(0, 0, 0);
-    for (const Sample& sample : further) light += lamps_.weak_irradiance(lamps, sample.at, sample.random, sample.on_lamp);
-    return sum + light / static_cast<float>(further.size());
+    for (std::size_t k = 0; k < weak_count; ++k) light += lamps_.weak_irradiance(lamps, further[k].at, further[k].random, further[k].on_lamp);
+    return sum + light / static_cast<float>(weak_count);
 }
 
 }  // namespace luxel

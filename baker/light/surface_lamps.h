@@ -17,7 +17,7 @@ namespace luxel {
 /// How far values of light lie apart, lux.
 struct LightRange {
     /// Of a piece's light: values that differ by more belong to both sides of an edge.
-    static constexpr float contrast = 0.05f;
+    static constexpr float contrast = 0.1f;
     float least = std::numeric_limits<float>::max(), most = 0;
     void add(float value) { least = std::min(least, value), most = std::max(most, value); }
     /// Beside `all`: what the piece gets in all, about.
@@ -36,8 +36,12 @@ class SurfaceLamps {
         std::uint64_t seed;
         bool smooth;
     };
-    /// By a few points, lux; `range`: what they found.
-    Rgb by_few(const Piece& piece, std::uint32_t points, LightRange& range) const;
+    struct Few {
+        Rgb light{0, 0, 0};    ///< lux
+        float strong = 0;      ///< luminance of what the strong lamps give of it (lamp_table.h)
+        LightRange range;      ///< of that at the points: what is chosen by chance says nothing of edges
+    };
+    [[nodiscard]] Few by_few(const Piece& piece, std::uint32_t points) const;
     /// By `points` others; the same few as before decide which lamps need all of them. `other`: luminance of what the piece gets
     /// besides, lux.
     [[nodiscard]] Rgb by_many(const Piece& piece, std::uint32_t few_points, std::uint32_t points, float other) const;

@@ -10,8 +10,12 @@
 namespace luxel {
 namespace {
 
+/// Of a texel's light: where lamps that are chosen by chance give more, a few choices tell too little.
+constexpr float much_by_chance = 0.25f;
+
 /// Do the texels beside it say that an edge may run through this one? Where there are none, it may.
-bool may_be_edge(const TexelGrid& grid, std::uint32_t texel, const std::vector<Rgb>& light, const std::vector<std::uint8_t>& uneven,
+/// `strong`: luminance of what strong lamps give to each texel; `uneven`: where the points of one differ, or where chance decides.
+bool may_be_edge(const TexelGrid& grid, std::uint32_t texel, const std::vector<float>& strong, const std::vector<std::uint8_t>& uneven,
                  float other) {
     TexelWindow window(grid, texel);
     window.grow(0);
@@ -20,7 +24,7 @@ bool may_be_edge(const TexelGrid& grid, std::uint32_t texel, const std::vector<R
     LightRange range;
     for (const TexelWindow::Member& member : beside) {
         if (uneven[member.texel]) return true;
-        range.add(luminance(light[member.texel]));
+        range.add(strong[member.texel]);
     }
     return range.is_wide(range.most + other);
 }
@@ -34,6 +38,7 @@ std::optional<std::vector<Rgb>> texel_lamps(const Scene& scene, const Atlas& atl
     if (scene.lamps.empty()) return light;
     const SurfaceLamps lamps(scene, tracer);
     std::vector<std::uint8_t> uneven(count, 0);
+    std::vector<float> strong(count, 0);
     std::atomic<bool> stopped{false};
     const auto for_texels = [&](const auto& visit) {
         parallel_ranges(count, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
@@ -52,15 +57,16 @@ std::optional<std::vector<Rgb>> texel_lamps(const Scene& scene, const Atlas& atl
         });
     };
     for_pieces([&](std::size_t k, const SurfaceLamps::Piece& piece) {
-        LightRange range;
-        light[k] = lamps.by_few(piece, options.points, range);
-        uneven[k] = range.is_wide(range.most + other[k]);
+        const SurfaceLamps::Few few = lamps.by_few(piece, options.points);
+        const float all = luminance(few.light) + other[k];
+        light[k] = few.light, strong[k] = few.strong;
+        uneven[k] = few.range.is_wide(few.range.most + other[k]) || luminance(few.light) - few.strong > much_by_chance * all;
     });
     if (options.edge_points > options.points && !stopped) {
         std::vector<std::uint8_t> at_edge(count, 0);
         {
             const TexelGrid grid(page, page_size);
-            for_texels([&](std::size_t k) { at_edge[k] = may_be_edge(grid, static_cast<std::uint32_t>(k), light, uneven, other[k]); });
+            for_texels([&](std::size_t k) { at_edge[k] = may_be_edge(grid, static_cast<std::uint32_t>(k), strong, uneven, other[k]); });
         }
         for_pieces([&](std::size_t k, const SurfaceLamps::Piece& piece) {
             if (at_edge[k]) light[k] = lamps.by_many(piece, options.points, options.edge_points, other[k]);

@@ -33,10 +33,8 @@ CASES = [
     Case("lamps_over_floor", "samples/lamps_over_floor/lamps_over_floor.gltf", SAMPLE),
     Case("open_court", "samples/open_court/open_court.gltf", SAMPLE, SKY),
     Case("painted_room", "samples/painted_room/painted_room.gltf", SAMPLE),
-    Case("fence", "samples/fence/fence.gltf", SAMPLE,
-         missed={"medium": {"p95": 0.145}, "high": {"p95": 0.053}}),   # measured 13.6 % and 5.0 %
-    Case("glass_room", "samples/glass_room/glass_room.gltf", SAMPLE, spp=65536,
-         missed={"high": {"bias": 0.0065}}),                           # measured -0.55 %
+    Case("fence", "samples/fence/fence.gltf", SAMPLE),
+    Case("glass_room", "samples/glass_room/glass_room.gltf", SAMPLE, spp=65536),
     Case("staircase", "{scenes}/staircase/staircase.glb", spp=16384,
          missed={"medium": {"median": 0.028, "p95": 0.31}}),           # measured 2.58 % and 29.0 %; high: not measured yet
     Case("lq-e1m1", "{scenes}/lq-e1m1/lq_e1m1.glb", spp=65536,
