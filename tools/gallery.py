@@ -74,7 +74,7 @@ def one(python, name, path, options):
     raw, wrong = os.path.join(work, "picture.png"), os.path.join(work, "error.png")
     view = run(python, "-B", f"{scripts}/render.py", baked, raw, "--size", SIZE).strip()
     chosen = view.removeprefix("camera: ").split() if view else []
-    run(python, "-B", f"{scripts}/render.py", baked, wrong, "--size", SIZE, "--error", str(options.spp // 4), *chosen)
+    run(python, "-B", f"{scripts}/render.py", baked, wrong, "--size", SIZE, "--error", str(options.spp // 16), *chosen)
     shrink(python, raw, os.path.join(pictures, name + ".jpg"))
     shrink(python, wrong, os.path.join(pictures, name + "_error.jpg"))
     with open(report, encoding="utf-8") as file:
@@ -108,7 +108,7 @@ def main():
     parser.add_argument("--only", nargs="+", choices=[s[0] for s in SCENES], metavar="NAME", help="the table then has only these")
     parser.add_argument("--quality", default="medium", choices=["draft", "medium", "high"])
     parser.add_argument("--points", type=int, default=1000)
-    parser.add_argument("--spp", type=int, default=4096)
+    parser.add_argument("--spp", type=int, default=16384)
     parser.add_argument("--work", default=os.path.join(ROOT, "build/gallery"), metavar="DIR")
     options = parser.parse_args()
     options.work = os.path.abspath(options.work)
