@@ -76,27 +76,27 @@ def round_scene(folder):
     gltf.save(folder, "round")
 
 
-def foot_scene(folder):
+def white_room(panel_x):
+    """A room of 3 x 2.5 x 3 m, lit by a panel below its ceiling that begins at this x; and a grey material for what stands in it."""
     gltf = Gltf()
     white, grey = gltf.material("white", (0.7, 0.7, 0.7)), gltf.material("grey", (0.5, 0.5, 0.5))
     lamp = gltf.material("lamp", (0, 0, 0), [2000] * 3)
     walls = [rectangle(axis, at, low, high, sign) for axis, low, high in ((0, (0, 0), (2.5, 3)), (1, (0, 0), (3, 3)), (2, (0, 0), (3, 2.5)))
              for at, sign in ((0.0, 1), (2.5 if axis == 1 else 3.0, -1))]
     gltf.piece("walls", walls, white)
-    gltf.piece("panel", [rectangle(1, 2.45, (1.0, 1.0), (1.6, 1.6), -1)], lamp)
+    gltf.piece("panel", [rectangle(1, 2.45, (panel_x, 1.0), (panel_x + 0.6, 1.6), -1)], lamp)
+    return gltf, grey
+
+
+def foot_scene(folder):
+    gltf, grey = white_room(1.0)
     gltf.node("box", gltf.mesh("box", box((-HALF[0], -0.4, -HALF[1]), (HALF[0], 0.5, HALF[1])), grey), translation=(PLACE[0], 0, PLACE[1]), turn_degrees=TURN)
     gltf.node("post", gltf.mesh("post", box((-0.05, -0.4, -0.05), (0.05, 1.2, 0.05)), grey), translation=(PLACE[0] + 0.05, 0, PLACE[1]), turn_degrees=50)
     gltf.save(folder, "foot")
 
 
 def corner_scene(folder):
-    gltf = Gltf()
-    white, grey = gltf.material("white", (0.7, 0.7, 0.7)), gltf.material("grey", (0.5, 0.5, 0.5))
-    lamp = gltf.material("lamp", (0, 0, 0), [2000] * 3)
-    walls = [rectangle(axis, at, low, high, sign) for axis, low, high in ((0, (0, 0), (2.5, 3)), (1, (0, 0), (3, 3)), (2, (0, 0), (3, 2.5)))
-             for at, sign in ((0.0, 1), (2.5 if axis == 1 else 3.0, -1))]
-    gltf.piece("walls", walls, white)
-    gltf.piece("panel", [rectangle(1, 2.45, (1.7, 1.0), (2.3, 1.6), -1)], lamp)
+    gltf, grey = white_room(1.7)
     gltf.piece("box", box(*BOX, omit=("-y",)), grey)
     gltf.save(folder, "corner")
 
