@@ -48,6 +48,7 @@ struct RankedLamps {
     static constexpr int weak_choices = 2;
 };
 
+/// A pure function; of equally strong ones the first of the scene is the stronger.
 RankedLamps rank_lamps(std::vector<LampStrength> lamps);
 
 }  // namespace luxel

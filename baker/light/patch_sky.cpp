@@ -2,12 +2,20 @@
 
 #include <cmath>
 
-#include "baker/core/units.h"
-#include "baker/light/patch_mean.h"
-#include "baker/light/sky.h"
+#include "baker/core/parallel.h"
 #include "baker/core/ray_offset.h"
+#include "baker/core/sobol.h"
+#include "baker/core/units.h"
+#include "baker/light/sky.h"
+#include "baker/patches/patch_sampler.h"
 
 namespace luxel {
+namespace {
+
+/// Names of the sample patterns.
+constexpr std::uint64_t place_purpose = 0x627269676874, aim_purpose = 0x736b7961696d;
+
+}  // namespace
 
 Rgb binned_irradiance(std::span<const Rgb> bin_nits, std::span<const std::uint8_t> bins, std::span<const std::uint16_t> counts,
                       std::uint32_t rays) {
@@ -24,16 +32,24 @@ void add_bright_sky(const Scene& scene, const Atlas& atlas, const PatchSet& patc
     if (bright.empty()) return;
     const Sky sky(bright);
     if (sky.is_dark()) return;
-    constexpr PatchPurposes purposes{0x627269676874, 0x736b7961696d};
-    const auto light = [&](const SurfacePoint& at, const std::array<float, 4>&, const std::array<float, 4>& w) {
-        const Sky::Sample aim = sky.sample(w[0], w[1]);
+    const auto light_at = [&](const SurfacePoint& at, const std::array<float, 4>& aim_at) {
+        const Sky::Sample aim = sky.sample(aim_at[0], aim_at[1]);
         const float cosine = aim.direction.dot(at.normal);
         if (cosine <= 0 || !(aim.density > 0)) return Rgb(0, 0, 0);
         const TraceRay ray{offset_origin(at.position, at.normal, scene.corner_extent(at.triangle)), aim.direction, at.triangle};
         return tracer.transmittance(ray, INFINITY) * sky.radiance(aim.direction) * (cosine / aim.density);
     };
-    const std::vector<Rgb> means = mean_over_patches(scene, atlas, patches, points, purposes, light);
-    for (std::size_t p = 0; p < means.size(); ++p) irradiance[p] += means[p];
+    parallel_for(patches.count(), 16, [&](std::size_t p) {
+        const PatchSampler sampler(scene, atlas, patches, static_cast<PatchNumber>(p));
+        const PatchId id = patches.patches[p].id;
+        const SobolSequence places(mix(id, place_purpose)), aims(mix(id, aim_purpose));
+        Rgb sum(0, 0, 0);
+        for (std::uint32_t k = 0; k < points; ++k) {
+            const auto u = places.point(k);
+            sum += light_at(sampler.point(u[0], u[1]), aims.point(k));
+        }
+        irradiance[p] += sum / static_cast<float>(points);
+    });
 }
 
 }  // namespace luxel
