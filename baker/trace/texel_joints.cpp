@@ -82,14 +82,15 @@ namespace {
 /// Has the texel one beside it that is visible too, and from which something parts it?
 bool has_wall_beside(const PageTexels& page, const std::vector<std::optional<JointProbe::Post>>& posts, std::uint32_t number) {
     const Texel& texel = page.texels[number];
-    const auto visible = [&](std::uint32_t other) { return other != none && posts[other]; };
-    return (!texel.joined_right && visible(page.find(texel.x + 1u, texel.y, texel.chart))) ||
-           (!texel.joined_down && visible(page.find(texel.x, texel.y + 1u, texel.chart))) ||
-           [&] {
-               const std::uint32_t left = texel.x > 0 ? page.find(texel.x - 1u, texel.y, texel.chart) : none;
-               const std::uint32_t above = texel.y > 0 ? page.find(texel.x, texel.y - 1u, texel.chart) : none;
-               return (visible(left) && !page.texels[left].joined_right) || (visible(above) && !page.texels[above].joined_down);
-           }();
+    const auto visible = [&](std::uint32_t x, std::uint32_t y) {
+        const std::uint32_t other = page.find(x, y, texel.chart);
+        return other != none && posts[other] ? &page.texels[other] : nullptr;
+    };
+    if (!texel.joined_right && visible(texel.x + 1u, texel.y)) return true;
+    if (!texel.joined_down && visible(texel.x, texel.y + 1u)) return true;
+    const Texel* left = texel.x > 0 ? visible(texel.x - 1u, texel.y) : nullptr;
+    const Texel* above = texel.y > 0 ? visible(texel.x, texel.y - 1u) : nullptr;
+    return (left && !left->joined_right) || (above && !above->joined_down);
 }
 
 }  // namespace
@@ -106,7 +107,8 @@ void find_texel_joints(const Scene& scene, const Atlas& atlas, const Tracer& tra
             texel.joined_down = joined(page.find(texel.x, texel.y + 1u, texel.chart));
         });
         parallel_for(posts.size(), 256, [&](std::size_t t) {
-            if (posts[t] && has_wall_beside(page, posts, static_cast<std::uint32_t>(t))) page.texels[t].own_side = probe.own_side(page, page.texels[t], *posts[t]);
+            if (posts[t] && has_wall_beside(page, posts, static_cast<std::uint32_t>(t)))
+                page.texels[t].own_side = probe.own_side(page, page.texels[t], *posts[t]);
         });
     }
 }
