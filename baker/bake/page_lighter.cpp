@@ -1,25 +1,17 @@
 #include "baker/bake/page_lighter.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "baker/bake/first_gathering.h"
 #include "baker/bake/light_stages.h"
 #include "baker/bake/stopping.h"
-#include "baker/core/sobol.h"
 #include "baker/light/pane_colour.h"
 #include "baker/light/patch_irradiance.h"
 #include "baker/light/share_light.h"
 
 namespace luxel {
 namespace {
-
-/// Rays of the first gathering per texel, of so many that a texel may have in the second. What texels send is read by many rays, so
-/// its noise hardly shows; no error that is estimated later knows of it, so it must fall with the others.
-std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
-
-/// Where shadows may have their edges, lamps are tested at so many points of a texel in the first gathering, elsewhere at one.
-constexpr std::uint32_t first_edge_points = 4;
 
 /// Of the page's mean light: what is darker may be wrong by as much as what is as bright as this.
 constexpr float dark_share = 0.01f;
@@ -116,21 +108,12 @@ GatherInput PageLighter::input_now() const {
 
 bool PageLighter::find_senders() {
     senders_.emplace(Senders{EmitterSet(g_.scene, g_.atlas, g_.patches), spread_radiosity(), find_guides()});
-    RadiosityDetail radiosity(reflected_, PatchMean::texels);
-    // Its own points, so that what this gathering happened to see does not come twice.
-    const std::uint32_t most_rays = options_.error > 0 ? options_.most_gather_rays : options_.gather_rays;
-    const GatherOptions first{first_rays(most_rays), true, 1, first_edge_points, patch_side_m(options_, g_.atlas), mix(options_.seed, 0x6669727374), options_.stop};
-    for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
-        const auto found = gather_page(input_now(), page, first, nullptr);
-        if (!found) {
-            senders_.reset();
-            return false;
-        }
-        radiosity.add_page(g_.texels, g_.patches, page, found->irradiance());
-    }
-    radiosity.finish();
-    senders_->radiosity = std::move(radiosity);
-    return true;
+    auto first = first_gathering(options_, g_, input_now(), reflected_);
+    if (first)
+        senders_->radiosity = std::move(*first);
+    else
+        senders_.reset();
+    return first.has_value();
 }
 
 RadiosityDetail PageLighter::spread_radiosity() const {

@@ -1,0 +1,101 @@
+#include "baker/bake/first_gathering.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "baker/core/sobol.h"
+
+namespace luxel {
+namespace {
+
+/// Rays per texel, of so many that it may have in the second gathering. What texels send is read by many rays, so its noise hardly
+/// shows; no error that is estimated later knows of it, so it must fall with the others.
+std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
+
+/// Where shadows may have their edges, lamps are tested at so many points of a texel, elsewhere at one.
+constexpr std::uint32_t edge_points = 4;
+
+/// Where few texels make a patch, or where their halves differ much, some rays may have found far too much by chance, and what lies
+/// opposite in a gap sees nothing else. So patches have at least the rays of this many texels, and as many more, up to 16 times, as it
+/// takes until this is the standard error of what they send, relative.
+constexpr float least_texels = 16;
+constexpr float largest_error = 0.2f;
+constexpr std::uint32_t most_doublings = 4;
+
+/// What the texels of a patch have gathered, in luminance.
+struct PatchNoise {
+    float rays = 0;  ///< in units of those that a texel has at first
+    float light = 0;
+    float variance = 0;
+    [[nodiscard]] bool is_uncertain() const { return rays < least_texels || variance > largest_error * largest_error * light * light; }
+};
+
+/// Of the texels of a page.
+class FirstGathering {
+  public:
+    FirstGathering(const BakedGeometry& geometry, const GatherInput& input, std::uint32_t page, const GatherOptions& options)
+        : g_(geometry), in_(input), number_(page), page_(geometry.texels.pages[page]), options_(options) {}
+
+    std::optional<std::vector<Rgb>> irradiance() {
+        found_ = gather_page(in_, number_, options_, nullptr);
+        if (!found_) return {};
+        std::vector<std::uint8_t> doublings(page_.texels.size(), 0);
+        for (std::uint32_t doubling = 0; doubling < most_doublings; ++doubling) {
+            const std::vector<std::uint32_t> chosen = uncertain(doublings);
+            if (chosen.empty()) break;
+            if (!double_rays(in_, number_, options_, chosen, doublings, *found_)) return {};
+        }
+        return found_->irradiance();
+    }
+
+  private:
+    [[nodiscard]] PatchNumber patch_of(std::size_t k) const {
+        const Texel& texel = page_.texels[k];
+        return page_.can_send(texel) ? g_.patches.page_patch[number_][std::size_t{texel.y} * g_.patches.page_size + texel.x] : no_patch;
+    }
+
+    [[nodiscard]] std::vector<std::uint32_t> uncertain(std::span<const std::uint8_t> doublings) const {
+        std::vector<PatchNoise> patches(g_.patches.count());
+        const GatheredLight& reflected = found_->reflected;
+        for (std::size_t k = 0; k < page_.texels.size(); ++k) {
+            const PatchNumber patch = patch_of(k);
+            if (patch == no_patch) continue;
+            const float half = luminance(reflected.halves[0][k] - reflected.halves[1][k]) / 2;
+            patches[patch].rays += static_cast<float>(1u << doublings[k]);
+            patches[patch].light += luminance(found_->lamps[k] + found_->gathered(k));
+            patches[patch].variance += half * half;
+        }
+        std::vector<std::uint32_t> chosen;
+        for (std::uint32_t k = 0; k < page_.texels.size(); ++k)
+            if (const PatchNumber patch = patch_of(k); patch != no_patch && patches[patch].is_uncertain()) chosen.push_back(k);
+        return chosen;
+    }
+
+    const BakedGeometry& g_;
+    const GatherInput& in_;
+    std::uint32_t number_;
+    const PageTexels& page_;
+    const GatherOptions& options_;
+    std::optional<GatheredPage> found_;
+};
+
+}  // namespace
+
+std::optional<RadiosityDetail> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
+                                               std::vector<Rgb> reflected) {
+    const std::uint32_t most_rays = options.error > 0 ? options.most_gather_rays : options.gather_rays;
+    // Its own points, so that what this gathering happened to see does not come twice.
+    const GatherOptions gathering{first_rays(most_rays), true, 1, edge_points, patch_side_m(options, geometry.atlas),
+                                  mix(options.seed, 0x6669727374), options.stop};
+    RadiosityDetail radiosity(std::move(reflected), PatchMean::texels);
+    for (std::uint32_t page = 0; page < geometry.atlas.page_count; ++page) {
+        const auto irradiance = FirstGathering(geometry, input, page, gathering).irradiance();
+        if (!irradiance) return {};
+        radiosity.add_page(geometry.texels, geometry.patches, page, *irradiance);
+    }
+    radiosity.finish();
+    return radiosity;
+}
+
+}  // namespace luxel

@@ -1,0 +1,18 @@
+/// What every texel sends: a first gathering with few rays per texel, read by the rays of the second (light/radiosity_detail.h).
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "baker/bake/bake.h"
+#include "baker/bake/geometry_stages.h"
+#include "baker/light/gather.h"
+#include "baker/light/radiosity_detail.h"
+
+namespace luxel {
+
+/// `input.radiosity` is what these rays read. `reflected`: B - M per patch number, lm/m2, of patches without texels. None: there was no
+/// time for it. A pure function but for `BakeOptions::stop`.
+std::optional<RadiosityDetail> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
+                                               std::vector<Rgb> reflected);
+
+}  // namespace luxel
