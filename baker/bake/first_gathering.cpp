@@ -18,9 +18,10 @@ constexpr std::uint32_t edge_points = 4;
 
 /// Where few texels make a patch, or where their halves differ much, some rays may have found far too much by chance, and what lies
 /// opposite in a gap sees nothing else. So patches have at least the rays of this many texels, and as many more, up to 16 times, as it
-/// takes until this is the standard error of what they send, relative.
-constexpr float least_texels = 16;
-constexpr float largest_error = 0.2f;
+/// takes until this is the standard error of what they send, relative to it or to a share of the page's mean light.
+constexpr float least_texels = 4;
+constexpr float largest_error = 0.25f;
+constexpr float dark_share = 0.02f;
 constexpr std::uint32_t most_doublings = 4;
 
 /// What the texels of a patch have gathered, in luminance.
@@ -28,7 +29,10 @@ struct PatchNoise {
     float rays = 0;  ///< in units of those that a texel has at first
     float light = 0;
     float variance = 0;
-    [[nodiscard]] bool is_uncertain() const { return rays < least_texels || variance > largest_error * largest_error * light * light; }
+    std::uint32_t texels = 0;
+    [[nodiscard]] bool is_uncertain(float dark) const {
+        return rays < least_texels || std::sqrt(variance) > largest_error * std::max(light, dark * static_cast<float>(texels));
+    }
 };
 
 /// Of the texels of a page.
@@ -58,17 +62,22 @@ class FirstGathering {
     [[nodiscard]] std::vector<std::uint32_t> uncertain(std::span<const std::uint8_t> doublings) const {
         std::vector<PatchNoise> patches(g_.patches.count());
         const GatheredLight& reflected = found_->reflected;
+        double sum = 0;
         for (std::size_t k = 0; k < page_.texels.size(); ++k) {
             const PatchNumber patch = patch_of(k);
             if (patch == no_patch) continue;
             const float half = luminance(reflected.halves[0][k] - reflected.halves[1][k]) / 2;
             patches[patch].rays += static_cast<float>(1u << doublings[k]);
-            patches[patch].light += luminance(found_->lamps[k] + found_->gathered(k));
+            const float light = luminance(found_->lamps[k] + found_->gathered(k));
+            sum += static_cast<double>(light);
+            patches[patch].light += light;
+            ++patches[patch].texels;
             patches[patch].variance += half * half;
         }
+        const float dark = dark_share * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(page_.texels.size(), 1)));
         std::vector<std::uint32_t> chosen;
         for (std::uint32_t k = 0; k < page_.texels.size(); ++k)
-            if (const PatchNumber patch = patch_of(k); patch != no_patch && patches[patch].is_uncertain()) chosen.push_back(k);
+            if (const PatchNumber patch = patch_of(k); patch != no_patch && patches[patch].is_uncertain(dark)) chosen.push_back(k);
         return chosen;
     }
 
