@@ -124,7 +124,7 @@ class Bench {
     /// `share`: radius; 0: not.
     [[nodiscard]] Gathered gather(const GatherInput& input, std::uint32_t rays, std::uint64_t seed, bool aim, std::uint32_t share = 0) const {
         Gathered all;
-        GatherOptions gathering{rays, aim, 1, 0, 0, seed, nullptr};
+        GatherOptions gathering{.rays = rays, .aim_at_emitters = aim, .lamp_points = 1, .seed = seed};
         gathering.near_m = patch_side_m(options_, geometry_->atlas);
         for (std::uint32_t page = 0; page < geometry_->atlas.page_count; ++page) {
             const PageTexels& texels = geometry_->texels.pages[page];
@@ -166,7 +166,7 @@ class Bench {
         for (int turn = 0; turn < 2; ++turn)
             for (std::uint32_t page = 0; page < geometry_->atlas.page_count; ++page) {
                 double start = processor_seconds();
-                const auto found = gather_page(input, page, {rays, false, 1, 0, 3, nullptr}, nullptr);
+                const auto found = gather_page(input, page, {.rays = rays, .aim_at_emitters = false, .lamp_points = 1, .seed = 3}, nullptr);
                 gathering += processor_seconds() - start;
                 for (const std::uint32_t own : found->rays) count += own;
                 // As many at a time as fit into memory; only the tracing counts.
