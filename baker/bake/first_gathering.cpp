@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "baker/core/sobol.h"
 
@@ -36,12 +37,12 @@ struct PatchNoise {
 };
 
 /// Of the texels of a page.
-class FirstGathering {
+class FirstPage {
   public:
-    FirstGathering(const BakedGeometry& geometry, const GatherInput& input, std::uint32_t page, const GatherOptions& options)
+    FirstPage(const BakedGeometry& geometry, const GatherInput& input, std::uint32_t page, const GatherOptions& options)
         : g_(geometry), in_(input), number_(page), page_(geometry.texels.pages[page]), options_(options) {}
 
-    std::optional<std::vector<Rgb>> irradiance() {
+    std::optional<GatheredPage> gathered() {
         found_ = gather_page(in_, number_, options_, nullptr);
         if (!found_) return {};
         std::vector<std::uint8_t> doublings(page_.texels.size(), 0);
@@ -50,7 +51,7 @@ class FirstGathering {
             if (chosen.empty()) break;
             if (!double_rays(in_, number_, options_, chosen, doublings, *found_)) return {};
         }
-        return found_->irradiance();
+        return std::move(found_);
     }
 
   private:
@@ -91,20 +92,21 @@ class FirstGathering {
 
 }  // namespace
 
-std::optional<RadiosityDetail> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
-                                               std::vector<Rgb> reflected) {
+std::optional<FirstGathering> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
+                                              std::vector<Rgb> reflected) {
     const std::uint32_t most_rays = options.error > 0 ? options.most_gather_rays : options.gather_rays;
     // Its own points, so that what this gathering happened to see does not come twice.
     const GatherOptions gathering{first_rays(most_rays), true, 1, edge_points, patch_side_m(options, geometry.atlas),
                                   mix(options.seed, 0x6669727374), options.stop};
-    RadiosityDetail radiosity(std::move(reflected), PatchMean::texels);
+    FirstGathering first{RadiosityDetail(std::move(reflected), PatchMean::texels)};
     for (std::uint32_t page = 0; page < geometry.atlas.page_count; ++page) {
-        const auto irradiance = FirstGathering(geometry, input, page, gathering).irradiance();
-        if (!irradiance) return {};
-        radiosity.add_page(geometry.texels, geometry.patches, page, *irradiance);
+        const auto found = FirstPage(geometry, input, page, gathering).gathered();
+        if (!found) return {};
+        first.radiosity.add_page(geometry.texels, geometry.patches, page, found->irradiance());
+        first.rays = std::accumulate(found->rays.begin(), found->rays.end(), first.rays);
     }
-    radiosity.finish();
-    return radiosity;
+    first.radiosity.finish();
+    return first;
 }
 
 }  // namespace luxel

@@ -1,5 +1,6 @@
 /// What every texel sends: a first gathering with few rays per texel, read by the rays of the second (light/radiosity_detail.h).
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -10,9 +11,14 @@
 
 namespace luxel {
 
+struct FirstGathering {
+    RadiosityDetail radiosity;
+    std::uint64_t rays = 0;  ///< that were traced for it, TexelLight::rays of all texels
+};
+
 /// `input.radiosity` is what these rays read. `reflected`: B - M per patch number, lm/m2, of patches without texels. None: there was no
 /// time for it. A pure function but for `BakeOptions::stop`.
-std::optional<RadiosityDetail> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
-                                               std::vector<Rgb> reflected);
+std::optional<FirstGathering> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
+                                              std::vector<Rgb> reflected);
 
 }  // namespace luxel

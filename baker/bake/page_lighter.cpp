@@ -109,11 +109,13 @@ GatherInput PageLighter::input_now() const {
 bool PageLighter::find_senders() {
     senders_.emplace(Senders{EmitterSet(g_.scene, g_.atlas, g_.patches), spread_radiosity(), find_guides()});
     auto first = first_gathering(options_, g_, input_now(), reflected_);
-    if (first)
-        senders_->radiosity = std::move(*first);
-    else
+    if (!first) {
         senders_.reset();
-    return first.has_value();
+        return false;
+    }
+    senders_->radiosity = std::move(first->radiosity);
+    first_rays_ = first->rays;
+    return true;
 }
 
 RadiosityDetail PageLighter::spread_radiosity() const {

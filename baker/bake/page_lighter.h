@@ -26,6 +26,8 @@ class PageLighter {
 
     /// What the rays of texels meet, as light() has it. Refers to this object. None: there was no time for it.
     std::optional<GatherInput> gather_input();
+    /// Rays of the first gathering, once it is done.
+    [[nodiscard]] std::uint64_t first_rays() const { return first_rays_; }
 
   private:
     /// What the rays of texels meet.
@@ -58,6 +60,7 @@ class PageLighter {
     std::vector<Rgb> irradiance_;  ///< per patch, only for drafts
     std::vector<Rgb> colours_;     ///< per patch, only where panes tint
     bool has_colours_ = false;
+    std::uint64_t first_rays_ = 0;
     std::optional<Senders> senders_;
 };
 

@@ -9,8 +9,8 @@
 //   guide   the same, bent to where the patch gets its light
 //   luxel   as a bake does: first gathering, guided and aimed rays, control variates, sharing
 // with more and more rays, and compared with a gathering of very many rays (guided, unshared, other random numbers; its own noise is
-// subtracted). `error` is the root mean square of what a texel is off, relative to its own light, or to 1 % of the mean where that is
-// more; lamps are left out.
+// subtracted). Errors are root mean squares of what a texel is off, relative to its own light (or to 1 % of the mean where that is
+// more), and relative to the mean light; lamps are left out.
 // "times" is how many times as many rays of those two have the same error, as their error falls with the root of
 // their number. Rays are counted with all that follow from near hits, the first gathering included. Times are processor seconds.
 //
@@ -19,6 +19,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -50,6 +51,9 @@ struct Gathered {
     std::vector<double> light, variance;  ///< variance: of the mean of both halves, as they differ
     double rays = 0, seconds = 0;
 };
+
+/// Of errors: of a texel's own light, of the mean.
+constexpr std::size_t measures = 2;
 
 /// A way whose error falls with the root of its rays.
 struct Baseline {
@@ -93,26 +97,29 @@ class Bench {
         for (const double light : truth.light) mean += light / static_cast<double>(truth.light.size());
         GatherInput plain{input.scene, input.atlas, input.texels, input.patches, input.tracer, input.emitters, input.radiosity, none_, input.sky};
         const auto baseline = [&](const char* name, const GatherInput& with, bool aim) {
-            Baseline last;
+            std::array<Baseline, measures> last;
             for (const std::uint32_t rays : {64u, 256u, 1024u}) {
                 const Gathered found = gather(with, rays, 5, aim);
-                const double error = error_of(found, truth, mean);
-                last = {error * error * found.rays, found.seconds / found.rays};
-                fmt::print("  {} {:5} rays  {:7.1f} per texel  {:7.2f} s  error {:6.2f} %\n", name, rays, per_texel(found), found.seconds, 100 * error);
+                const auto errors = errors_of(found, truth, mean);
+                for (std::size_t m = 0; m < measures; ++m) last[m] = {errors[m] * errors[m] * found.rays, found.seconds / found.rays};
+                fmt::print("  {} {:5} rays  {:7.1f} per texel  {:7.2f} s  error of own light {:6.2f} %, of the mean {:6.2f} %\n", name, rays, per_texel(found),
+                           found.seconds, 100 * errors[0], 100 * errors[1]);
                 std::fflush(stdout);
             }
             return last;
         };
-        const Baseline cosine = baseline("plain", plain, false), aimed = baseline("aimed", plain, true);
+        const auto cosine = baseline("plain", plain, false), aimed = baseline("aimed", plain, true);
         baseline("guide", input, true);
         for (const std::uint32_t rays : {16u, 64u, 128u, 256u, 512u}) {
             Gathered found = gather(input, rays, 5, true, options_.share_texels);
-            found.rays += static_cast<double>(truth.light.size()) * std::max(8u, options_.gather_rays / 16);
+            found.rays += static_cast<double>(lighter.first_rays());
             found.seconds += first_seconds;
-            const double error = error_of(found, truth, mean);
-            fmt::print("  luxel {:5} rays  {:7.1f} per texel  {:7.2f} s  error {:6.2f} %  rays of plain {:6.1f} times, aimed {:5.1f}; time {:6.1f}, {:5.1f}\n", rays,
-                       per_texel(found), found.seconds, 100 * error, cosine.rays_for(error) / found.rays, aimed.rays_for(error) / found.rays,
-                       cosine.seconds_for(error) / found.seconds, aimed.seconds_for(error) / found.seconds);
+            const auto errors = errors_of(found, truth, mean);
+            fmt::print("  luxel {:5} rays  {:7.1f} per texel  {:7.2f} s\n", rays, per_texel(found), found.seconds);
+            for (std::size_t m = 0; m < measures; ++m)
+                fmt::print("      of {:9} {:6.2f} %  rays of plain {:6.1f} times, aimed {:5.1f}; time {:6.1f}, {:5.1f}\n", m ? "the mean" : "own light",
+                           100 * errors[m], cosine[m].rays_for(errors[m]) / found.rays, aimed[m].rays_for(errors[m]) / found.rays,
+                           cosine[m].seconds_for(errors[m]) / found.seconds, aimed[m].seconds_for(errors[m]) / found.seconds);
             std::fflush(stdout);
         }
         compare_with_embree(input);
@@ -148,13 +155,16 @@ class Bench {
         return all;
     }
 
-    static double error_of(const Gathered& found, const Gathered& truth, double mean) {
-        double sum = 0;
+    /// Root mean squares: relative to each texel's own light, and over the mean light.
+    static std::array<double, measures> errors_of(const Gathered& found, const Gathered& truth, double mean) {
+        double own_sum = 0, sum = 0;
         for (std::size_t k = 0; k < truth.light.size(); ++k) {
             const double off = found.light[k] - truth.light[k], own = std::max(truth.light[k], 0.01 * mean);
-            sum += (off * off - truth.variance[k]) / (own * own);
+            const double square = off * off - truth.variance[k];
+            own_sum += square / (own * own), sum += square / (mean * mean);
         }
-        return std::sqrt(std::max(sum, 0.0) / static_cast<double>(truth.light.size()));
+        const auto root = [&](double squares) { return std::sqrt(std::max(squares, 0.0) / static_cast<double>(truth.light.size())); };
+        return {root(own_sum), root(sum)};
     }
 
     /// Guided rays without what follows from near hits, against Embree alone on rays from the same texels, twice in turns.
