@@ -88,7 +88,9 @@ Series series_of(std::span<const Rgb> change, std::span<const Rgb> before) {
 bool has_tinting_panes(const Scene& scene) {
     return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
         const Material& m = scene.materials[object.material];
-        return m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
+        const bool takes_colour = m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
+        const bool is_grey = m.base_texture == none && m.pane_colour == Rgb(m.pane_colour.x, m.pane_colour.x, m.pane_colour.x);
+        return takes_colour && !is_grey;
     });
 }
 

@@ -37,7 +37,7 @@ struct PaneColourInput {
     std::span<const Rgb> lamp_irradiance;  ///< per patch, lux: its part of what is reflected keeps its colour
 };
 
-/// Does anything in the scene colour the light that it lets through?
+/// Does anything in the scene colour the light that it lets through? Clear and grey panes do not.
 bool has_tinting_panes(const Scene& scene);
 
 /// Kept per patch where there are such panes. While it is found it takes three times that.
