@@ -16,21 +16,27 @@ constexpr std::size_t disc_count = TexelWindow::disc_count;
 constexpr std::size_t most_members = 197;
 /// A plane is fitted to the small discs; to the large ones a quadratic, since light that bends over them would lose its peaks.
 constexpr std::size_t first_quadratic = 3;
-/// Noise is pooled over the disc, but over no smaller one than this: 13 texels know it to a fifth or so.
+/// Noise goes with light: in the dark beside what is bright it is less. How loud it is relative to the light is pooled over the disc, but
+/// over no smaller one than this: 13 texels know it to a fifth or so. How bright a disc that is smaller than this is, the median of the
+/// texel and those beside it says, as one of them may be an outlier.
 constexpr std::size_t smallest_noise_disc = 2;
+/// No texel is taken for darker than this share of the root mean square around it: where most rays miss what few find, half of the texels are.
+constexpr double least_light = 0.3;
 /// Half width of the intervals in standard errors.
 constexpr double confidence = 1.4;
 
 /// Both halves of the rays, three channels each.
 using Values = Eigen::Matrix<double, 1, 6>;
 
+double luminance_of(const Values& values, std::size_t half) {
+    const auto first = static_cast<Eigen::Index>(3 * half);
+    return 0.2126 * values[first] + 0.7152 * values[first + 1] + 0.0722 * values[first + 2];
+}
+
 /// What a disc says of its middle: values of both halves, and the variance of each.
 struct Disc {
     Values values;
-    double variance = 0;  ///< in double: the light of 1e-30 has one too
-    [[nodiscard]] double luminance_of(int half) const {
-        return 0.2126 * values[3 * half] + 0.7152 * values[3 * half + 1] + 0.0722 * values[3 * half + 2];
-    }
+    std::array<double, 2> variance{0, 0};  ///< in double: the light of 1e-30 has one too
 };
 
 /// Weights with which the values at some places give the value of a polynomial of least squares at the middle.
@@ -79,6 +85,9 @@ class Intervals {
   public:
     /// A disc's value and standard error. From the first that disagrees on, none is taken.
     void add(double value, double error) {
+        // A larger disc that reaches into louder surroundings knows less.
+        if (agreeing_ > 0 && !(error < last_error_)) ended_ = true;
+        last_error_ = error;
         low_ = std::max(low_, value - confidence * error), high_ = std::min(high_, value + confidence * error);
         if (low_ > high_) ended_ = true;
         if (!ended_) ++agreeing_;
@@ -88,6 +97,7 @@ class Intervals {
 
   private:
     double low_ = -std::numeric_limits<double>::max(), high_ = std::numeric_limits<double>::max();
+    double last_error_ = 0;
     std::size_t agreeing_ = 0;
     bool ended_ = false;
 };
@@ -105,28 +115,35 @@ class Sharer {
         if (!page_.can_send(page_.texels[index])) return;
         TexelWindow window(grid_, index);
         std::array<Values, most_members> values;
-        double squares = 0;  // of the differences between the halves
+        std::array<std::array<double, most_members>, 2> luminances;
+        double noise = 0, light_squares = 0;  // sums of the variances of halves, and of their squares
         const auto grow = [&](std::size_t disc) {
             const std::size_t before = window.members().size();
             const auto added = window.grow(disc);
             for (std::size_t k = 0; k < added.size(); ++k) {
                 values[before + k] = values_at(added[k].texel);
-                const double difference = Disc{values[before + k]}.luminance_of(0) - Disc{values[before + k]}.luminance_of(1);
-                squares += difference * difference;
+                const double first = luminances[0][before + k] = luminance_of(values[before + k], 0);
+                const double second = luminances[1][before + k] = luminance_of(values[before + k], 1);
+                noise += (first - second) * (first - second) / 2;
+                light_squares += (first * first + second * second) / 2;
             }
         };
         std::array<std::size_t, disc_count> ends;
         for (std::size_t k = 0; k <= smallest_noise_disc; ++k) grow(k), ends[k] = window.members().size();
+        const double around = std::sqrt(light_squares / static_cast<double>(window.members().size()));
+        std::array<double, 2> light;  // of each half, near the texel
+        for (std::size_t half = 0; half < 2; ++half)
+            light[half] = std::clamp(median({luminances[half].data(), ends[1]}), least_light * around, around);
         std::array<Disc, disc_count> discs;
         std::array<Intervals, 2> intervals;
         for (std::size_t k = 0; k < discs_; ++k) {
             if (k > smallest_noise_disc) grow(k), ends[k] = window.members().size();
-            discs[k] = disc(k, window.members().first(ends[k]), values);
-            discs[k].variance *= squares / (2.0 * static_cast<double>(window.members().size()));
-            // A larger disc that reaches into louder surroundings knows less.
-            if (k > 0 && !(discs[k].variance < discs[k - 1].variance)) break;
-            for (std::size_t half = 0; half < 2; ++half)
-                intervals[half].add(discs[k].luminance_of(static_cast<int>(half)), std::sqrt(discs[k].variance));
+            discs[k] = disc(k, window.members().first(ends[k]), values, luminances, light);
+            const double relative = light_squares > 0 ? noise / light_squares : 0.0;
+            for (std::size_t half = 0; half < 2; ++half) {
+                discs[k].variance[half] *= relative;
+                intervals[half].add(luminance_of(discs[k].values, half), std::sqrt(discs[k].variance[half]));
+            }
             if (intervals[0].ended() && intervals[1].ended()) break;
         }
         const std::array<std::size_t, 2> largest{intervals[0].largest(), intervals[1].largest()};
@@ -153,8 +170,18 @@ class Sharer {
         return values;
     }
 
-    /// The fit to a disc's members; its variance is for values of variance 1.
-    static Disc disc(std::size_t number, std::span<const TexelWindow::Member> members, const std::array<Values, most_members>& values) {
+    static double median(std::span<const double> values) {
+        std::array<double, most_members> sorted;
+        std::copy(values.begin(), values.end(), sorted.begin());
+        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(values.size()));
+        return *middle;
+    }
+
+    /// The fit to a disc's members; its variances are for relative noise of 1. `light`: of each half, for discs that are too small to
+    /// ask each member.
+    static Disc disc(std::size_t number, std::span<const TexelWindow::Member> members, const std::array<Values, most_members>& values,
+                     const std::array<std::array<double, most_members>, 2>& luminances, const std::array<double, 2>& light) {
         std::array<double, most_members> own;
         const double* weights = whole_weights()[number].data();
         if (members.size() < whole_weights()[number].size()) {
@@ -166,18 +193,21 @@ class Sharer {
         Disc result{Values::Zero()};
         for (std::size_t k = 0; k < members.size(); ++k) {
             result.values += weights[k] * values[k];
-            result.variance += weights[k] * weights[k];
+            for (std::size_t half = 0; half < 2; ++half) {
+                const double loud = weights[k] * (number < smallest_noise_disc ? light[half] : luminances[half][k]);
+                result.variance[half] += loud * loud;
+            }
         }
         return result;
     }
 
     /// Square of what sharing changes beyond noise, signed: no more than noise has to come out as nothing on average. A disc holds the
     /// smaller one, so what they differ by has the difference of their variances.
-    static double excess(const std::array<Disc, disc_count>& discs, std::size_t chosen, int half) {
+    static double excess(const std::array<Disc, disc_count>& discs, std::size_t chosen, std::size_t half) {
         if (chosen == 0) return 0;
         const Disc &taken = discs[chosen], &smaller = discs[chosen - 1];
-        const double difference = taken.luminance_of(half) - smaller.luminance_of(half);
-        return difference * difference - std::max(smaller.variance - taken.variance, 0.0);
+        const double difference = luminance_of(taken.values, half) - luminance_of(smaller.values, half);
+        return difference * difference - std::max(smaller.variance[half] - taken.variance[half], 0.0);
     }
 
     /// Each half takes the disc that the other has chosen: what chooses knows nothing of the noise that is averaged, so that no
@@ -187,7 +217,7 @@ class Sharer {
         const Disc &first = discs[largest[1]], &second = discs[largest[0]];
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
-        result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance + second.variance));
+        result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance[0] + second.variance[1]));
     }
 
     const PageTexels& page_;

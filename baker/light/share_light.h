@@ -4,6 +4,8 @@
 /// the edge of a shadow or in a corner. Nothing is learned or guessed: a fit of measured values, exact where light is a polynomial of
 /// the second degree.
 ///
+/// Noise is taken to go with light, so that dark texels beside bright ones know themselves well, and little leaks into them.
+///
 /// Neighbours are texels of the same chart that one can walk to without crossing what stands on the surface
 /// (Texel::joined_right, joined_down): no light passes a chart border or a wall.
 ///

@@ -121,6 +121,16 @@ TEST(ShareLight, EdgesStay) {
     EXPECT_LT(beside(8, 20).rms, 0.02);
 }
 
+/// Noise that is loud on the bright side is not the dark side's.
+TEST(ShareLight, LoudLightDoesNotLeakIntoTheDark) {
+    const auto made = sheet();
+    const Field step = [&](const Texel& texel) { return place(*made, texel).x >= 30 ? 100.0f : 1.0f; };
+    const Errors dark = errors(*made, share(*made, noisy(*made, step, 0.4f)), step, [&](const Texel& t) { return place(*made, t).x >= 24 && place(*made, t).x < 30; });
+    // Were all of them as noisy as the mean of those around, the dark would be six times as bright as it is.
+    EXPECT_LT(std::fabs(dark.mean), 1.5);
+    EXPECT_LT(dark.rms, 5);
+}
+
 /// A wall that stands on the floor parts what lies on its two sides, though the noise would hide the difference.
 TEST(ShareLight, NothingPassesAWall) {
     const auto made = test::prepare(SceneMaker()
