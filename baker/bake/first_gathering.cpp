@@ -20,19 +20,18 @@ constexpr std::uint32_t edge_points = 4;
 /// Where few texels make a patch, or where their halves differ much, some rays may have found far too much by chance, and what lies
 /// opposite in a gap sees nothing else. So patches have at least the rays of this many texels, and as many more, up to 16 times, as it
 /// takes until this is the standard error of what they send, relative to it or to a share of the page's mean light.
-constexpr float least_texels = 4;
-constexpr float largest_error = 0.25f;
-constexpr float dark_share = 0.02f;
+constexpr std::uint32_t least_texels = 4;
+constexpr double largest_error = 0.25;
+constexpr double dark_share = 0.02;
 constexpr std::uint32_t most_doublings = 4;
 
 /// What the texels of a patch have gathered, in luminance.
 struct PatchNoise {
-    float rays = 0;  ///< in units of those that a texel has at first
-    float light = 0;
-    float variance = 0;
+    std::uint32_t rays = 0;  ///< in units of those that a texel has at first
     std::uint32_t texels = 0;
-    [[nodiscard]] bool is_uncertain(float dark) const {
-        return rays < least_texels || std::sqrt(variance) > largest_error * std::max(light, dark * static_cast<float>(texels));
+    double light = 0, variance = 0;  ///< in double: the light of 1e-30 has a variance too
+    [[nodiscard]] bool is_uncertain(double dark) const {
+        return rays < least_texels || std::sqrt(variance) > largest_error * std::max(light, dark * texels);
     }
 };
 
@@ -67,15 +66,15 @@ class FirstPage {
         for (std::size_t k = 0; k < page_.texels.size(); ++k) {
             const PatchNumber patch = patch_of(k);
             if (patch == no_patch) continue;
-            const float half = luminance(reflected.halves[0][k] - reflected.halves[1][k]) / 2;
-            patches[patch].rays += static_cast<float>(1u << doublings[k]);
-            const float light = luminance(found_->lamps[k] + found_->gathered(k));
-            sum += static_cast<double>(light);
+            const auto half = static_cast<double>(luminance(reflected.halves[0][k] - reflected.halves[1][k])) / 2;
+            const auto light = static_cast<double>(luminance(found_->lamps[k] + found_->gathered(k)));
+            patches[patch].rays += 1u << doublings[k];
+            sum += light;
             patches[patch].light += light;
             ++patches[patch].texels;
             patches[patch].variance += half * half;
         }
-        const float dark = dark_share * static_cast<float>(sum / static_cast<double>(std::max<std::size_t>(page_.texels.size(), 1)));
+        const double dark = dark_share * sum / static_cast<double>(std::max<std::size_t>(page_.texels.size(), 1));
         std::vector<std::uint32_t> chosen;
         for (std::uint32_t k = 0; k < page_.texels.size(); ++k)
             if (const PatchNumber patch = patch_of(k); patch != no_patch && patches[patch].is_uncertain(dark)) chosen.push_back(k);

@@ -45,7 +45,7 @@ constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
 /// A page on its way out: its picture, 8 bit RGB, and the encoders' copies of them.
 constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
 /// Of gathering: what the solve leaves and was given (200), where light comes from (light/light_guide.h), radiosity, irradiance, noise.
-constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36 + 16;
+constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36 + 24;
 /// A page that is gathered: its lamps, rays, two halves of two kinds of light, what sharing makes of one of them, and places. What
 /// comes after is smaller, as the halves are gone.
 constexpr std::uint64_t gather_bytes_per_page_texel = 12 + 4 + 4 * 12 + 24 + 20 + 5;
