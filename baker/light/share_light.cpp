@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "baker/core/parallel.h"
+#include "baker/core/sobol.h"
 #include "baker/light/texel_window.h"
 
 namespace luxel {
@@ -80,6 +82,43 @@ const std::array<std::vector<double>, disc_count>& whole_weights() {
     return all;
 }
 
+/// Weights of discs with missing texels, as they are asked for: along a border, the same ones again and again.
+class WeightCache {
+  public:
+    /// What was returned before is of no use any more.
+    void next_texel() {
+        if (found_.size() >= most_entries) found_.clear();
+    }
+    /// For all members of a window that has grown to `disc`.
+    std::span<const double> weights(std::size_t disc, const TexelWindow& window) {
+        if (window.members().size() == whole_weights()[disc].size()) return whole_weights()[disc];
+        std::vector<double>& own = found_[{disc, window.shape()}];
+        if (own.empty()) {
+            std::array<TexelWindow::Place, most_members> places;
+            own.resize(window.members().size());
+            for (std::size_t k = 0; k < own.size(); ++k) places[k] = window.members()[k].place;
+            find_weights(disc, {places.data(), own.size()}, own);
+        }
+        return own;
+    }
+
+  private:
+    static constexpr std::size_t most_entries = 2048;
+    struct Key {
+        std::size_t disc;
+        TexelWindow::Shape shape;
+        bool operator==(const Key&) const = default;
+    };
+    struct Hash {
+        std::size_t operator()(const Key& key) const {
+            std::uint64_t hash = key.disc;
+            for (const std::uint64_t word : key.shape) hash = mix(hash, word);
+            return hash;
+        }
+    };
+    std::unordered_map<Key, std::vector<double>, Hash> found_;
+};
+
 /// The rule of intersecting intervals for one half: which disc is the largest that agrees with all smaller ones.
 class Intervals {
   public:
@@ -110,9 +149,10 @@ class Sharer {
     }
 
     /// `bias_squares`: per texel, the square of its bias as it alone knows it, signed; lux^2.
-    void share(std::uint32_t index, SharedLight& result, std::vector<float>& bias_squares) const {
+    void share(std::uint32_t index, WeightCache& cache, SharedLight& result, std::vector<float>& bias_squares) const {
         result.irradiance[index] = (light_.halves[0][index] + light_.halves[1][index]) * 0.5f;
         if (!page_.can_send(page_.texels[index])) return;
+        cache.next_texel();
         TexelWindow window(grid_, index);
         std::array<Values, most_members> values;
         std::array<std::array<double, most_members>, 2> luminances;
@@ -128,17 +168,21 @@ class Sharer {
                 light_squares += (first * first + second * second) / 2;
             }
         };
-        std::array<std::size_t, disc_count> ends;
-        for (std::size_t k = 0; k <= smallest_noise_disc; ++k) grow(k), ends[k] = window.members().size();
+        std::array<std::span<const double>, disc_count> weights;
+        const auto grow_weighted = [&](std::size_t disc) {
+            grow(disc);
+            weights[disc] = cache.weights(disc, window);
+        };
+        for (std::size_t k = 0; k <= smallest_noise_disc; ++k) grow_weighted(k);
         const double around = std::sqrt(light_squares / static_cast<double>(window.members().size()));
         std::array<double, 2> light;  // of each half, near the texel
         for (std::size_t half = 0; half < 2; ++half)
-            light[half] = std::clamp(median({luminances[half].data(), ends[1]}), least_light * around, around);
+            light[half] = std::clamp(median({luminances[half].data(), weights[1].size()}), least_light * around, around);
         std::array<Disc, disc_count> discs;
         std::array<Intervals, 2> intervals;
         for (std::size_t k = 0; k < discs_; ++k) {
-            if (k > smallest_noise_disc) grow(k), ends[k] = window.members().size();
-            discs[k] = disc(k, window.members().first(ends[k]), values, luminances, light);
+            if (k > smallest_noise_disc) grow_weighted(k);
+            discs[k] = disc(k, weights[k], values, luminances, light);
             const double relative = light_squares > 0 ? noise / light_squares : 0.0;
             for (std::size_t half = 0; half < 2; ++half) {
                 discs[k].variance[half] *= relative;
@@ -180,18 +224,10 @@ class Sharer {
 
     /// The fit to a disc's members; its variances are for relative noise of 1. `light`: of each half, for discs that are too small to
     /// ask each member.
-    static Disc disc(std::size_t number, std::span<const TexelWindow::Member> members, const std::array<Values, most_members>& values,
+    static Disc disc(std::size_t number, std::span<const double> weights, const std::array<Values, most_members>& values,
                      const std::array<std::array<double, most_members>, 2>& luminances, const std::array<double, 2>& light) {
-        std::array<double, most_members> own;
-        const double* weights = whole_weights()[number].data();
-        if (members.size() < whole_weights()[number].size()) {
-            std::array<TexelWindow::Place, most_members> places;
-            for (std::size_t k = 0; k < members.size(); ++k) places[k] = members[k].place;
-            find_weights(number, {places.data(), members.size()}, own);
-            weights = own.data();
-        }
         Disc result{Values::Zero()};
-        for (std::size_t k = 0; k < members.size(); ++k) {
+        for (std::size_t k = 0; k < weights.size(); ++k) {
             result.values += weights[k] * values[k];
             for (std::size_t half = 0; half < 2; ++half) {
                 const double loud = weights[k] * (number < smallest_noise_disc ? light[half] : luminances[half][k]);
@@ -237,8 +273,9 @@ SharedLight share_light(const PageTexels& page, std::uint32_t page_size, const G
     result.bias.assign(count, 0);
     std::vector<float> bias_squares(count, 0);
     const Sharer sharer(page, page_size, light, most_texels);
-    parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), result, bias_squares);
+    parallel_ranges(count, 4096, [&](std::size_t, std::size_t begin, std::size_t end) {
+        WeightCache cache;
+        for (std::size_t k = begin; k < end; ++k) sharer.share(static_cast<std::uint32_t>(k), cache, result, bias_squares);
     });
     parallel_ranges(count, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) result.bias[k] = sharer.bias(static_cast<std::uint32_t>(k), bias_squares);

@@ -84,7 +84,9 @@ std::span<const TexelWindow::Member> TexelWindow::grow(std::size_t disc) {
         const std::size_t there = static_cast<std::size_t>(y) * grid_.size_ + static_cast<std::size_t>(x);
         if (!is_reached(place, there)) continue;
         reached_[slot(place, most_radius)] = true;
-        if (grid_.flags_[there] & TexelGrid::sends) members_[count_++] = {place, grid_.index_[there]};
+        if (!(grid_.flags_[there] & TexelGrid::sends)) continue;
+        members_[count_++] = {place, grid_.index_[there]};
+        shape_[k / 64] |= std::uint64_t{1} << (k % 64);
     }
     return {members_.data() + before, count_ - before};
 }

@@ -50,6 +50,9 @@ class TexelWindow {
     std::span<const Member> grow(std::size_t disc);
     /// All so far.
     [[nodiscard]] std::span<const Member> members() const { return {members_.data(), count_}; }
+    /// Which of places() they are: bit k is place k.
+    using Shape = std::array<std::uint64_t, 4>;
+    [[nodiscard]] const Shape& shape() const { return shape_; }
 
   private:
     static constexpr int width = 2 * most_radius + 1;
@@ -60,6 +63,7 @@ class TexelWindow {
     std::array<bool, std::size_t{width} * width> reached_{};
     std::array<Member, std::size_t{width} * width> members_;
     std::size_t count_ = 0;
+    Shape shape_{};
 };
 
 }  // namespace luxel
