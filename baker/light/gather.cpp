@@ -61,8 +61,9 @@ class TexelGather {
     void gather(std::size_t index, const SurfaceSampler& sampler, std::uint32_t rays, std::uint64_t own_seed, float share,
                 GatheredPage& result) const {
         const Plan shares = plan(page_.texels[index], sampler, rays);
+        NearLight near(in_, options_.near_m, shares.middle, shares.aimed_rays > 0);
         std::array<HalfLight, 2> found;
-        for (std::size_t half = 0; half < 2; ++half) found[half] = indirect(sampler, shares, mix(own_seed, half));
+        for (std::size_t half = 0; half < 2; ++half) found[half] = indirect(sampler, shares, near, mix(own_seed, half));
         const auto put = [&](Rgb& mean, const Rgb& light) { mean = share < 1 ? mean * (1 - share) + light * share : light; };
         for (std::size_t half = 0; half < 2; ++half) {
             const HalfLight &own = found[half], &other = found[1 - half];
@@ -122,9 +123,9 @@ class TexelGather {
         return plan;
     }
 
-    [[nodiscard]] HalfLight indirect(const SurfaceSampler& sampler, const Plan& shares, std::uint64_t own_seed) const {
+    [[nodiscard]] HalfLight indirect(const SurfaceSampler& sampler, const Plan& shares, NearLight& near, std::uint64_t own_seed) const {
         const SobolSequence sequence(own_seed), aims(mix(own_seed, 0x61696d));
-        NearLight near(in_, options_.near_m, shares.middle, shares.aimed_rays > 0, own_seed);
+        near.start(own_seed);
         std::vector<NearVertex> vertices;
         LightSum emitted, reflected;
         double weights = 0;

@@ -35,9 +35,12 @@ class NearLight {
     static constexpr std::size_t batch = SobolSequence::batch;
 
     /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `aim`: send rays to
-    /// emitters too; not where they fill the view. `seed`: the texel's own.
-    NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, bool aim, std::uint64_t seed)
-        : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim), seed_(seed) {}
+    /// emitters too; not where they fill the view.
+    NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, bool aim)
+        : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim) {}
+
+    /// Begins with other rays of the texel. `seed`: theirs.
+    void start(std::uint64_t seed) { seed_ = seed, ray_count_ = 0; }
 
     [[nodiscard]] bool is_near(float distance_m) const { return distance_m < reach_m_; }
     /// The vertex where `ray` met patch `patch`; `weight`: what the texel receives per unit of radiosity there.
@@ -45,7 +48,7 @@ class NearLight {
                                     const Rgb& weight, float share = 1) const;
     /// Adds the light of at most `batch` vertices to `sum`; uses them up. Their own emission is not counted.
     void add(std::vector<NearVertex>& vertices, LightSum& sum);
-    /// Traced so far to follow paths on, without shadow rays to lamps.
+    /// Traced since start() to follow paths on, without shadow rays to lamps.
     [[nodiscard]] std::uint32_t ray_count() const { return ray_count_; }
 
   private:
@@ -62,7 +65,7 @@ class NearLight {
     float reach_m_;
     Vec3f position_;
     bool aim_;
-    std::uint64_t seed_;
+    std::uint64_t seed_ = 0;
     std::uint32_t ray_count_ = 0;
     bool has_tables_ = false;
     std::vector<float> emitters_up_to_;  ///< EmitterSet::weigh_around; empty without emitters
