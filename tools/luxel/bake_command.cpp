@@ -36,7 +36,7 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off", gather = "on";
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
@@ -54,6 +54,14 @@ const CLI::Validator finite(
 /// Refuses a sign: an unsigned number would silently wrap around.
 const CLI::Validator unsigned_number(
     [](std::string& text) { return text.starts_with('-') ? "expected 0 or more" : std::string(); }, "", "unsigned");
+
+/// Takes the word for the number that switches a thing off.
+const CLI::Validator off_or_number(
+    [](std::string& text) {
+        if (text == "off") text = "0";
+        return std::string();
+    },
+    "", "off or a number");
 
 /// "R,G,B" or one number for all three, nits.
 std::array<double, 3> parse_nits(const std::string& text) {
@@ -91,11 +99,13 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     for (const Preset& preset : presets)
         if (a.quality == preset.name) {
             o.rays = given("--rays") ? a.rays : preset.rays;
-            o.gather_rays = given("--gather-rays") ? a.gather_rays : preset.gather_rays;
+            o.gather_rays = a.gather == "off" ? 0 : given("--gather-rays") ? a.gather_rays : preset.gather_rays;
             o.share_texels = a.share;
             o.lamp_points = preset.lamp_points;
             o.tolerance = given("--tolerance") ? a.tolerance : preset.tolerance;
         }
+    if (a.gather == "off" && given("--gather-rays") && a.gather_rays > 0)
+        throw Error(ErrorCode::usage, "--gather", "expected no --gather-rays beside off, found " + std::to_string(a.gather_rays), "leave out one of the two");
     if (o.gather_rays && !std::has_single_bit(o.gather_rays))
         throw Error(ErrorCode::usage, "--gather-rays", "expected 0 or a power of two, found " + std::to_string(o.gather_rays),
                     "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.gather_rays)));
@@ -175,6 +185,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"hemicube-resolution", std::to_string(o.hemicube_resolution)},
             {"importance", a.importance},
             {"error", a.error > 0 ? fmt::format("{}", a.error) : "none"},
+            {"gather", o.gather_rays ? "on" : "off"},
             {"gather-rays", std::to_string(o.gather_rays)},
             {"max-rays", std::to_string(o.most_gather_rays)},
             {"share", std::to_string(o.share_texels)},
@@ -265,6 +276,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
     command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
+    command.add_option("--gather", a.gather, "light at every texel by rays of its own, as --quality and --gather-rays say; off: patches are interpolated")
+        ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512)")
         ->check(CLI::Range(0u, highest_rays))->group("Quality");
     command.add_option("--max-rays", a.max_rays, "most rays per texel, where --error asks for more than --gather-rays (16 times as many)")
@@ -275,8 +288,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");
     command.add_option("--patch-texels", a.patch_texels, "side of a patch in texels")
         ->check(CLI::Range(1u, 64u))->capture_default_str()->group("Quality");
-    command.add_option("--share", a.share, "texels over which gathered light may be shared where it is even, 0 .. 8; 0: not")
-        ->check(CLI::Range(0, 8))->capture_default_str()->group("Quality");
+    command.add_option("--share", a.share, "texels over which gathered light may be shared where it is even, 0 .. 8; 0 or off: not")
+        ->transform(off_or_number)->check(CLI::Range(0, 8))->capture_default_str()->group("Quality");
     command.add_option("--interpolation", a.interpolation, "of patches over texels where nothing is gathered, as in drafts and previews")
         ->check(CLI::IsMember(interpolation_names()))->capture_default_str()->group("Quality");
     command.add_option("--sky", a.sky, "picture of the sky in nits by longitude and latitude, .exr or .hdr; none: no sky (what the scene has)")
