@@ -96,10 +96,17 @@ class Help(Case):
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather": "on", "--gather-rays": "8", "--max-rays": "16",
               "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--seams": "keep", "--aov": "albedo,valid", "--memory": "1G",
-              "--share": "off", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
+              "--share": "3", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
+
+    def test_off(self):
+        self.assert_done(run("bake", FURNACE, "-o", self.output, "--texels-per-metre", "3", "--share", "off", "--gather", "off", "--report", self.path("report.json")))
+        with open(self.path("report.json"), encoding="utf-8") as file:
+            settings = json.load(file)["settings"]
+        self.assertEqual([settings[name] for name in ("share", "gather", "gather-rays")], ["0", "off", "0"])
+        self.assert_refused(run("bake", FURNACE, "-o", self.output, "--gather", "off", "--gather-rays", "8"), 1, "--gather: ")
 
     def test_help(self):
         for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):
