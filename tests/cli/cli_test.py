@@ -102,11 +102,11 @@ class Help(Case):
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
     def test_off(self):
+        self.assert_refused(run("bake", FURNACE, "-o", self.output, "--gather", "off", "--gather-rays", "8"), 1, "--gather: ")
         self.assert_done(run("bake", FURNACE, "-o", self.output, "--texels-per-metre", "3", "--share", "off", "--gather", "off", "--report", self.path("report.json")))
         with open(self.path("report.json"), encoding="utf-8") as file:
             settings = json.load(file)["settings"]
         self.assertEqual([settings[name] for name in ("share", "gather", "gather-rays")], ["0", "off", "0"])
-        self.assert_refused(run("bake", FURNACE, "-o", self.output, "--gather", "off", "--gather-rays", "8"), 1, "--gather: ")
 
     def test_help(self):
         for arguments in (["--help"], ["-h"], ["bake", "--help"], ["bake", "-h"]):
