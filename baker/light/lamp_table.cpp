@@ -41,6 +41,7 @@ float strength_of(const Lamp& lamp, const Vec3f& place, float around_m, const Ve
 
 std::vector<LampStrength> lamp_strengths(std::span<const Lamp> lamps, const Vec3f& place, float around_m, const Vec3f* normal) {
     std::vector<LampStrength> found;
+    found.reserve(lamps.size());
     for (std::uint32_t k = 0; k < lamps.size(); ++k)
         if (const float strength = strength_of(lamps[k], place, around_m, normal); strength > 0) found.push_back({k, strength});
     return found;
@@ -49,9 +50,11 @@ std::vector<LampStrength> lamp_strengths(std::span<const Lamp> lamps, const Vec3
 LampTable::LampTable(std::span<const LampStrength> lamps) {
     double total = 0, sum = 0;
     for (const LampStrength& lamp : lamps) total += static_cast<double>(lamp.strength);
+    const double scale = 1 / total;
+    entries_.reserve(lamps.size());
     for (const LampStrength& lamp : lamps) {
         sum += static_cast<double>(lamp.strength);
-        entries_.push_back({lamp.lamp, static_cast<float>(static_cast<double>(lamp.strength) / total), static_cast<float>(sum / total)});
+        entries_.push_back({lamp.lamp, static_cast<float>(static_cast<double>(lamp.strength) * scale), static_cast<float>(sum * scale)});
     }
     if (!entries_.empty()) entries_.back().up_to = 1;
 }
