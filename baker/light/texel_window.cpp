@@ -77,8 +77,9 @@ bool TexelWindow::is_reached(const Place& to, std::size_t there) const {
 std::span<const TexelWindow::Member> TexelWindow::grow(std::size_t disc) {
     const std::size_t before = count_;
     const auto size = static_cast<int>(grid_.size_);
-    for (std::size_t k = disc ? table().ends[disc - 1] : 0; k < table().ends[disc]; ++k) {
-        const Place& place = table().places[k];
+    const PlaceTable& all = table();
+    for (std::size_t k = disc ? all.ends[disc - 1] : 0; k < all.ends[disc]; ++k) {
+        const Place& place = all.places[k];
         const int x = x_ + place.dx, y = y_ + place.dy;
         if (x < 0 || y < 0 || x >= size || y >= size) continue;
         const std::size_t there = static_cast<std::size_t>(y) * grid_.size_ + static_cast<std::size_t>(x);
