@@ -26,6 +26,7 @@ constexpr std::size_t batch_rays = SobolSequence::batch;
 struct TexelRays {
     std::array<TraceRay, batch_rays> rays;
     std::array<TraceHit, batch_rays> hits;
+    std::array<SurfaceTexel, batch_rays> ends;       ///< where cosine rays have hit something
     std::array<float, batch_rays> cosine;            ///< against the shading normal
     std::array<float, batch_rays> density;           ///< of cosine rays in its direction, relative to the plain distribution
     std::array<std::uint32_t, batch_rays> number;    ///< of the texel's rays
@@ -178,6 +179,14 @@ class TexelGather {
             if (const auto ray = leave_towards(in_.scene, in_.tracer, at, direction)) push(batch, *ray, z[k], density[k], begin + k);
         }
         trace(batch);
+        // All places in memory are asked for before the first is needed.
+        for (std::size_t k = 0; k < batch.count; ++k) {
+            const TraceHit& hit = batch.hits[k];
+            if (hit.triangle == none) continue;
+            batch.ends[k] = surface_texel(in_.atlas, in_.patches, hit.triangle, hit.b1, hit.b2);
+            __builtin_prefetch(batch.ends[k].patch);
+            in_.radiosity.prefetch(in_.patches, batch.ends[k]);
+        }
         return weights;
     }
 
@@ -213,7 +222,7 @@ class TexelGather {
             emitted.add(open_ray_light(in_.sky, batch.rays[k].direction, batch.cosine[k], density, shares.sky_rays), hit.tint);
             return;
         }
-        const SurfaceTexel texel = surface_texel(in_.atlas, in_.patches, hit.triangle, hit.b1, hit.b2);
+        const SurfaceTexel& texel = batch.ends[k];
         const Landing at = landing(in_.patches, hit, texel);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
