@@ -25,11 +25,11 @@ constexpr double largest_error = 0.25;
 constexpr double dark_share = 0.02;
 constexpr std::uint32_t most_doublings = 4;
 
-/// What the texels of a patch have gathered, in luminance.
+/// What the texels of a patch have gathered, in luminance. Emitters are aimed at: only what others reflect makes such outliers.
 struct PatchNoise {
     std::uint32_t rays = 0;  ///< in units of those that a texel has at first
     std::uint32_t texels = 0;
-    double light = 0, variance = 0;  ///< in double: the light of 1e-30 has a variance too
+    double light = 0, variance = 0;  ///< sums of all light, lux, and of the variance of what is reflected; in double: the light of 1e-30 has a variance too
     [[nodiscard]] bool is_uncertain(double dark) const {
         return rays < least_texels || std::sqrt(variance) > largest_error * std::max(light, dark * texels);
     }

@@ -180,7 +180,7 @@ void run(const BakeOptions& o, const std::string& kind, bool orders) {
     MemoryPlan plan;
     plan.pooling_bytes = std::uint64_t{1} << 29;
     const BakedMatrix matrix = build_matrix(o, *geometry, evidence, folder, plan, clock, report);
-    const double reads = solve_reads(*geometry, matrix, light_patches(o, *geometry, clock, report), o.tolerance);
+    const double reads = solve_reads(*geometry, matrix, light_patches(o, *geometry, folder, clock, report), o.tolerance);
     const std::vector<PlacedBlock> blocks = read_blocks(o.work);
     double own = 0;
     for (const PlacedBlock& block : blocks)
