@@ -4,15 +4,18 @@
 /// the edge of a shadow or in a corner. Nothing is learned or guessed: a fit of measured values, exact where light is a polynomial of
 /// the second degree.
 ///
-/// Noise is taken to go with light, so that dark texels beside bright ones know themselves well, and little leaks into them.
+/// Noise is taken to go with light, so that dark texels beside bright ones know themselves well, and little leaks into them. Where a
+/// texel's disc is smaller than those around it by chance only, it takes one as large as theirs: no dots are left on even surroundings.
 ///
 /// Neighbours are texels of the same chart that one can walk to without crossing what stands on the surface
 /// (Texel::joined_right, joined_down): no light passes a chart border or a wall.
 ///
 /// Threads  uses them all; a pure function.
 /// Source   Goldenshluger and Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997, and Katkovnik, A
-///          new method for varying adaptive bandwidth selection, IEEE Trans. Signal Processing 47(9) 1999 (the interval rule); Fan and
-///          Gijbels, Local Polynomial Modelling, 1996 (local polynomials have no more bias at borders than inside).
+///          new method for varying adaptive bandwidth selection, IEEE Trans. Signal Processing 47(9) 1999 (the interval rule; that
+///          chosen scales be ranked against those around: Katkovnik, Egiazarian, Astola, Local Approximation Techniques in Signal and Image
+///          Processing, SPIE 2006); Fan and Gijbels, Local Polynomial Modelling, 1996 (no more bias at borders than
+///          inside).
 #pragma once
 #include <span>
 #include <vector>

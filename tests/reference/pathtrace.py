@@ -23,6 +23,7 @@ from lamps import LUMINANCE, LampTable   # noqa: E402
 
 F, U, B, V3, V2 = mi.Float, mi.UInt32, mi.Bool, mi.Vector3f, mi.Vector2f
 OFFSET = 1e-5        # of the half extent: ray starts leave their surface by this
+MANY_BOUNCES = 64    # from here on chance ends a path whatever it carries: between white surfaces nothing else would
 BATCHES = 16         # independent runs, for the standard error
 LANES = 1 << 20      # paths in flight
 
@@ -348,6 +349,7 @@ class Tracer:
         active = B(True)
         # a ray that passed a pane goes on from there: `along` metres from p, and `fresh` no more
         along, fresh, direction, cosine = F(0), B(True), V3(0, 0, 1), F(1)
+        bounces = U(0)
         while active:
             if dr.hint(self.table.count > 0, mode="scalar"):
                 total += throughput * self.lamp_light(p, normal, rng.next_float32(), rng.next_float32(), rng.next_float32(), active & fresh)
@@ -400,7 +402,9 @@ class Tracer:
             p = dr.select(meets, corner + flat * OFFSET, p)
             along = dr.select(meets, 0, far + OFFSET)
             fresh = B(meets)
-            keep = dr.select(meets, dr.minimum(dr.max(throughput) * 4, 1), 1)
+            bounces += dr.select(meets, U(1), U(0))
+            most = dr.select(bounces < MANY_BOUNCES, F(1), F(0.9))
+            keep = dr.select(meets, dr.minimum(dr.max(throughput) * 4, most), 1)
             active &= rng.next_float32() < keep
             throughput /= dr.maximum(keep, 1e-20)
             u1, u2 = rng.next_float32(), rng.next_float32()
