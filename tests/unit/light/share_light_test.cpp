@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -77,7 +78,7 @@ TEST(ShareLight, EvenLightLosesItsNoise) {
 }
 
 /// Where chance alone ends a disc's growth, noise would be left as a dot on even surroundings.
-TEST(ShareLight, NoDotsAreLeft) {
+TEST(ShareLight, FewDotsAreLeft) {
     const auto made = sheet();
     const Field even = [](const Texel&) { return 10.0f; };
     const SharedLight shared = share(*made, noisy(*made, even, 0.3f, true));
