@@ -81,7 +81,8 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
     // Drafts light their texels in less than the solve takes, also with these. Finding the colours of panes takes less than
     // the guides of light.
     const std::uint64_t seen = aiming + (demand.has_tinting_panes ? demand.patch_count * pane_colour_bytes_per_patch : 0);
-    const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks + seen +
+    const std::uint64_t sky_guides = sky_pixels ? demand.threads * sky_view_read_bytes : 0;
+    const std::uint64_t gathering = !demand.gathers ? 0 : demand.patch_count * gather_bytes_per_patch + blocks + seen + sky_guides +
                                     page_texels * (gather_bytes_per_page_texel + (demand.refines ? refine_bytes_per_page_texel : 0) + demand.page_count * kept_bytes_per_page_texel);
     const std::uint64_t fixed = whole_steps(demand.fixed_bytes);
     MemoryPlan plan;

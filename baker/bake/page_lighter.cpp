@@ -133,9 +133,9 @@ LightGuides PageLighter::find_guides() const {
     std::vector<float> reflected, emitted;
     for (const Rgb& b : reflected_) reflected.push_back(luminance(b));
     for (const Patch& patch : g_.patches.patches) emitted.push_back(luminance(patch.emission));
-    if (std::none_of(reflected.begin(), reflected.end(), [](float b) { return b > 0; })) return {};
+    if (!sources_.sky && std::none_of(reflected.begin(), reflected.end(), [](float b) { return b > 0; })) return {};
     ClosedMatrix strips(*matrix_.strips, matrix_.area_m2, matrix_.closure);
-    return {strips, g_.patches, reflected, emitted};
+    return {strips, g_.patches, reflected, emitted, sources_.sky.get()};
 }
 
 std::vector<Rgb> PageLighter::interpolated(std::uint32_t page) {

@@ -6,6 +6,7 @@
 #include "baker/bake/stopping.h"
 #include "baker/formfactors/sky_view.h"
 #include "baker/light/patch_sky.h"
+#include "baker/light/sky_split.h"
 
 namespace luxel {
 namespace {
@@ -33,28 +34,19 @@ void trace_view(const BakeOptions& options, const BakedGeometry& g, const std::f
 }
 
 /// Returns whether any patch sees the sky.
-bool add_binned(const SkyViewReader& view, std::span<const Rgb> bin_nits, std::vector<Rgb>& irradiance) {
+bool add_binned(const SkyInView& sky, std::vector<Rgb>& irradiance) {
     bool is_seen = false;
-    for (std::size_t block = 0; block < view.block_count(); ++block) {
-        const SkyCounts counts = view.read(block);
-        const std::span<const std::uint8_t> bins(counts.bins);
-        const std::span<const std::uint16_t> of_bins(counts.counts);
+    sky.visit(0, static_cast<PatchNumber>(irradiance.size()), [&](PatchNumber patch, std::span<const SkyBin> bins, std::span<const std::uint16_t> counts) {
         is_seen |= !bins.empty();
-        std::size_t at = 0;
-        for (std::size_t k = 0; k < counts.bins_of_patch.size(); ++k) {
-            const std::size_t count = counts.bins_of_patch[k];
-            irradiance[block * sky_view_block + k] +=
-                binned_irradiance(bin_nits, bins.subspan(at, count), of_bins.subspan(at, count), view.rays());
-            at += count;
-        }
-    }
+        irradiance[patch] += binned_irradiance(sky.bin_nits(), bins, counts, sky.rays());
+    });
     return is_seen;
 }
 
 }  // namespace
 
 Key sky_view_key(const BakeOptions& options, const BakedGeometry& g) {
-    return KeyBuilder("sky view 3")
+    return KeyBuilder("sky view 4")
         .key(g.layout_key)
         .text(tracer_identity())
         .integer(static_cast<std::int64_t>(options.seed))
@@ -62,9 +54,10 @@ Key sky_view_key(const BakeOptions& options, const BakedGeometry& g) {
         .finish();
 }
 
-void add_sky_light(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder, std::vector<Rgb>& irradiance,
-                   StageClock& clock, BakeReport& report) {
-    if (g.scene.sky.empty()) return;
+std::unique_ptr<const SkyInView> add_sky_light(const BakeOptions& options, const BakedGeometry& g, const BakeFolder& folder,
+                                               std::vector<Rgb>& irradiance, StageClock& clock, BakeReport& report) {
+    std::unique_ptr<const SkyInView> sky;
+    if (g.scene.sky.empty()) return sky;
     const Key key = sky_view_key(options, g);
     const auto path = folder.sky_view(key);
     clock.stage("sky view", [&] {
@@ -73,19 +66,18 @@ void add_sky_light(const BakeOptions& options, const BakedGeometry& g, const Bak
         return false;
     });
     clock.stage("sky", [&] {
-        const SkyViewReader view(path, key);
-        if (view.patch_count() != g.patches.count())
-            throw Error(ErrorCode::damaged_store, path.string(),
-                        "expected " + std::to_string(g.patches.count()) + " patches, found " + std::to_string(view.patch_count()),
-                        "remove the file and run the same command again");
-        const SkySplit split = split_sky(g.scene.sky);
-        if (add_binned(view, split.bins, irradiance))
+        SkySplit split = split_sky(g.scene.sky);
+        sky = std::make_unique<SkyInView>(path, key, g.patches.count(), std::move(split.bins));
+        if (add_binned(*sky, irradiance)) {
             add_bright_sky(g.scene, g.atlas, g.patches, *g.tracer, split.bright,
                            std::max(least_bright_points, options.lamp_points), irradiance);
-        else
+        } else {
             report.skipped.push_back({"sky", "no surface sees it"});
+            sky.reset();
+        }
         return false;
     });
+    return sky;
 }
 
 }  // namespace luxel

@@ -90,7 +90,7 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, c
         sources.lamp_irradiance = patch_lamp_irradiance(g.scene, g.atlas, g.patches, *g.tracer, options.lamp_points, options.edge_lamp_points());
         return false;
     });
-    add_sky_light(options, g, folder, sources.lamp_irradiance, clock, report);
+    sources.sky = add_sky_light(options, g, folder, sources.lamp_irradiance, clock, report);
     sources.emission = first_light(g.patches, sources.lamp_irradiance);
     if (g.scene.lamps.empty()) report.skipped.push_back({"lamps", "the scene has no punctual lights"});
     return sources;

@@ -1,6 +1,9 @@
 /// Radiosity of the patches from a matrix and the scene's light.
 #pragma once
+#include <memory>
+
 #include "baker/bake/matrix_stages.h"
+#include "baker/formfactors/sky_in_view.h"
 #include "baker/solver/solver.h"
 
 namespace luxel {
@@ -8,6 +11,7 @@ namespace luxel {
 /// Light that the equation starts from; the same for every matrix of the scene.
 struct BakedSources {
     std::vector<Rgb> lamp_irradiance;  ///< direct light of lamps and sky per patch, lux
+    std::unique_ptr<const SkyInView> sky;  ///< null: no patch sees any
     std::vector<Channels> emission;    ///< M: self-emission plus what is reflected of lamps and sky, lm/m2
 };
 

@@ -52,7 +52,7 @@ SkyCounts count_sky_rays(const Scene& scene, const Atlas& atlas, const PatchSet&
         const std::size_t first = result.bins.size();
         for (std::uint32_t bin = 0; bin < sky_bin_count; ++bin)
             if (of_patch[bin]) {
-                result.bins.push_back(static_cast<std::uint8_t>(bin));
+                result.bins.push_back(static_cast<SkyBin>(bin));
                 result.counts.push_back(of_patch[bin]);
             }
         result.bins_of_patch.push_back(static_cast<std::uint16_t>(result.bins.size() - first));

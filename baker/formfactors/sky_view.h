@@ -19,7 +19,10 @@ struct SkyViewOptions {
 };
 
 /// Held while a block of patches is traced and written: rays by bin, what is kept of them, and its bytes before and after they are packed.
-constexpr std::uint64_t sky_view_block_bytes = std::uint64_t{sky_view_block} * (sky_bin_count * 2 + 3 * (2 + sky_bin_count * 3));
+constexpr std::uint64_t sky_view_block_bytes = std::uint64_t{sky_view_block} * (sky_bin_count * 2 + 3 * (2 + sky_bin_count * 4));
+
+/// Of reading a block: as it lies on the disk, unpacked, and sorted out.
+constexpr std::uint64_t sky_view_read_bytes = std::uint64_t{sky_view_block} * 3 * (2 + sky_bin_count * 4);
 
 /// The counts of patches [begin, end). A pure function of geometry, stable ids and options; uses all threads.
 SkyCounts count_sky_rays(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer,

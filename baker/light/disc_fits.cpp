@@ -126,8 +126,10 @@ void DiscFits::grow() {
 void DiscFits::find_light_near() {
     const double around = std::sqrt(light_squares_ / static_cast<double>(window_.members().size()));
     const auto near = static_cast<std::ptrdiff_t>(levels_[1].weights.size());
-    for (std::size_t half = 0; half < 2; ++half)
-        light_near_[half] = std::clamp(median({luminances_[half].begin(), luminances_[half].begin() + near}), least_light * around, around);
+    for (std::size_t half = 0; half < 2; ++half) {
+        median_beside_[half] = median({luminances_[half].begin(), luminances_[half].begin() + near});
+        light_near_[half] = std::clamp(median_beside_[half], least_light * around, around);
+    }
 }
 
 const DiscFit& DiscFits::operator[](std::size_t disc) {

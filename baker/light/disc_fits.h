@@ -57,6 +57,8 @@ class DiscFits {
     /// `centre`: index of a texel that light can be gathered at. Keeps references to all.
     DiscFits(const GatheredLight& light, const TexelGrid& grid, std::uint32_t centre, WeightCache& cache);
     const DiscFit& operator[](std::size_t disc);
+    /// Of a half, lux: the median luminance of the texel and those beside it.
+    [[nodiscard]] double median_beside(std::size_t half) const { return median_beside_[half]; }
 
   private:
     static constexpr std::size_t most_members = 197;
@@ -77,7 +79,7 @@ class DiscFits {
     std::array<Eigen::Matrix<double, 1, 6>, most_members> values_;
     std::array<std::array<double, most_members>, 2> luminances_;
     double noise_ = 0, light_squares_ = 0;   ///< sums of the variances of halves, and of their squares
-    std::array<double, 2> light_near_{0, 0};  ///< of each half
+    std::array<double, 2> median_beside_{0, 0}, light_near_{0, 0};  ///< of each half
 };
 
 }  // namespace luxel

@@ -5,6 +5,8 @@
 
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
+#include "baker/core/units.h"
+#include "baker/formfactors/sky_bins.h"
 
 namespace luxel {
 namespace {
@@ -21,7 +23,7 @@ std::uint32_t cell_of(const Vec2f& square) {
 /// What the patches of one chunk receive, by direction.
 class ChunkGuides {
   public:
-    /// `brightest`: the largest of what any patch reflects.
+    /// `brightest`: the largest of what any patch reflects, and pi times the sky.
     ChunkGuides(const PatchSet& patches, PatchNumber first, std::uint32_t count, float brightest)
         : patches_(patches), first_(first), received_(std::size_t{count} * cells, 0), sums_(count) {
         // Whole numbers of a unit far below what counts: their sums do not depend on the order of blocks.
@@ -51,6 +53,25 @@ class ChunkGuides {
             if (!(length > 0)) continue;
             const Vec3f local = own.to_local(way) / length;
             if (local.z > 0) received_[std::size_t{local_number} * cells + cell_of(cosine_square(local))] += amount;
+        }
+    }
+
+    /// Of its rays that went into the open, these shares did so in bins of so many nits.
+    void add_sky(PatchNumber to, const SkyInView& sky, std::span<const SkyBin> bins, std::span<const std::uint16_t> counts) {
+        const Patch& here = patches_.patches[to];
+        if (here.is_back) return;
+        const std::uint32_t local_number = to - first_;
+        const Frame own(here.normal);
+        for (std::size_t k = 0; k < bins.size(); ++k) {
+            const double area = static_cast<double>(here.area_m2) * counts[k] / sky.rays();
+            const double received = area * pi * static_cast<double>(luminance(sky.bin_nits()[bins[k]]));
+            sums_[local_number].reflected += received;
+            const auto amount = static_cast<std::int64_t>(received * per_unit_[local_number]);
+            if (amount <= 0) continue;
+            for (const Vec3f& direction : directions_in_sky_bin(bins[k])) {
+                const Vec3f local = own.to_local(direction);
+                if (local.z > 0) received_[std::size_t{local_number} * cells + cell_of(cosine_square(local))] += amount;
+            }
         }
     }
 
@@ -89,7 +110,7 @@ class ChunkGuides {
     std::vector<double> per_unit_;  ///< per patch
     std::vector<std::int64_t> received_;
     struct Sums {
-        double reflected = 0, emitted = 0;
+        double reflected = 0, emitted = 0;  ///< the sky is part of the former
     };
     std::vector<Sums> sums_;
 };
@@ -97,7 +118,7 @@ class ChunkGuides {
 }  // namespace
 
 LightGuides::LightGuides(BlockSource& source, const PatchSet& patches, std::span<const float> reflected,
-                         std::span<const float> emitted)
+                         std::span<const float> emitted, const SkyInView* sky)
     : weights_(patches.count() * cells, 0), emitted_share_(patches.count(), 0) {
     const ChunkLayout& layout = source.layout();
     std::vector<std::vector<std::size_t>> blocks(layout.chunk_count());
@@ -106,7 +127,9 @@ LightGuides::LightGuides(BlockSource& source, const PatchSet& patches, std::span
         blocks[info.a].push_back(k);
         if (info.b != info.a) blocks[info.b].push_back(k);
     }
-    const float brightest = reflected.empty() ? 0.0f : *std::max_element(reflected.begin(), reflected.end());
+    float brightest = reflected.empty() ? 0.0f : *std::max_element(reflected.begin(), reflected.end());
+    if (sky)
+        for (const Rgb& nits : sky->bin_nits()) brightest = std::max(brightest, static_cast<float>(pi) * luminance(nits));
     parallel_isolated(layout.chunk_count(), [&](std::size_t c) {
         const auto chunk = static_cast<ChunkNumber>(c);
         const PatchNumber first = layout.first_patch[chunk];
@@ -123,6 +146,10 @@ LightGuides::LightGuides(BlockSource& source, const PatchSet& patches, std::span
                 }
             }
         }
+        if (sky)
+            sky->visit(first, first + layout.size(chunk), [&](PatchNumber patch, std::span<const SkyBin> bins, std::span<const std::uint16_t> counts) {
+                guides.add_sky(patch, *sky, bins, counts);
+            });
         guides.write(weights_.data() + std::size_t{first} * cells, emitted_share_.data() + first);
     });
 }

@@ -1,5 +1,5 @@
 /// Where the light of a patch comes from, so that rays go there: the patch's row of the matrix times the radiosity of what
-/// it sees, gathered by direction. Cosine rays are bent towards it: a grid of equal shares of the cosine distribution (the
+/// it sees, and the open sky that it sees, gathered by direction. Cosine rays are bent towards it: a grid of equal shares of the cosine distribution (the
 /// unit square under the map of core/sampling.h) gets a probability per cell, mixed with a defensive share of the plain
 /// distribution, so that what the row has missed is still found and the mean depends on neither.
 ///
@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "baker/formfactors/block_source.h"
+#include "baker/formfactors/sky_in_view.h"
 #include "baker/patches/patch.h"
 
 namespace luxel {
@@ -26,9 +27,10 @@ class LightGuides {
 
     LightGuides() = default;
     /// Reads every block twice, a chunk's row at a time. `reflected`, `emitted`: what each patch sends, >= 0, any unit; the tables are
-    /// of the former. Fronts only: a back has no texels. Threads: uses them all; a pure function of the matrix, whatever its
-    /// chunks: sums are of whole numbers. Throws what the source throws.
-    LightGuides(BlockSource& source, const PatchSet& patches, std::span<const float> reflected, std::span<const float> emitted);
+    /// of the former. `sky`: null, or in the same unit over pi per sr. Fronts only: a back has no texels. Threads: uses them all; a pure function of the matrix, whatever its
+    /// chunks: sums are of whole numbers. Throws what source and sky throw.
+    LightGuides(BlockSource& source, const PatchSet& patches, std::span<const float> reflected, std::span<const float> emitted,
+                const SkyInView* sky = nullptr);
 
     [[nodiscard]] bool empty() const { return weights_.empty(); }
     /// Relative weight of each cell for a patch, 0..255, cell x fastest; directions are in the frame around its normal.

@@ -17,7 +17,7 @@ constexpr std::uint64_t place_purpose = 0x627269676874, aim_purpose = 0x736b7961
 
 }  // namespace
 
-Rgb binned_irradiance(std::span<const Rgb> bin_nits, std::span<const std::uint8_t> bins, std::span<const std::uint16_t> counts,
+Rgb binned_irradiance(std::span<const Rgb> bin_nits, std::span<const SkyBin> bins, std::span<const std::uint16_t> counts,
                       std::uint32_t rays) {
     std::array<double, 3> sum{};
     for (std::size_t k = 0; k < bins.size(); ++k)

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "baker/light/sky_split.h"
+#include "baker/formfactors/sky_bins.h"
 #include "baker/patches/patch.h"
 #include "baker/trace/tracer.h"
 #include "baker/unwrap/atlas.h"
@@ -12,7 +12,7 @@ namespace luxel {
 
 /// Irradiance of one patch by the binned part, lux: pi / rays * sum of count * radiance. `bins` and `counts`: what its open rays
 /// went into (formfactors/sky_view.h).
-Rgb binned_irradiance(std::span<const Rgb> bin_nits, std::span<const std::uint8_t> bins, std::span<const std::uint16_t> counts,
+Rgb binned_irradiance(std::span<const Rgb> bin_nits, std::span<const SkyBin> bins, std::span<const std::uint16_t> counts,
                       std::uint32_t rays);
 
 /// Adds the mean irradiance by the bright part to each patch: `points` places of the patch (a power of two), from each a

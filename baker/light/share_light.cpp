@@ -89,18 +89,18 @@ class Sharer {
     [[nodiscard]] Choice raised_choice(std::uint32_t index, DiscFits& fits) const {
         Choice raised = choices_[index];
         for (std::size_t half = 0; half < 2; ++half) {
-            const std::uint8_t around = choice_around(index, half);
-            const DiscFit& alone = fits[raised[half]];
+            const std::uint8_t around = choice_around(index, half), alone = raised[half];
+            const auto is_far = [&](std::uint8_t disc, std::size_t by) {
+                // A single texel may be an outlier by itself.
+                const double own = alone == 0 ? fits.median_beside(by) : fits[alone].luminance(by);
+                return std::abs(fits[disc].luminance(by) - own) > raised_confidence * std::sqrt(fits[alone].variance[by]);
+            };
             for (std::uint8_t& own = raised[half]; own < around; ++own) {
-                const DiscFit& next = fits[own + 1u];
-                if (next.variance[half] >= fits[own].variance[half] || (is_far(alone, next, 0) && is_far(alone, next, 1))) break;
+                const auto next = static_cast<std::uint8_t>(own + 1);
+                if (fits[next].variance[half] >= fits[own].variance[half] || (is_far(next, 0) && is_far(next, 1))) break;
             }
         }
         return raised;
-    }
-
-    static bool is_far(const DiscFit& alone, const DiscFit& larger, std::size_t half) {
-        return std::abs(larger.luminance(half) - alone.luminance(half)) > raised_confidence * std::sqrt(alone.variance[half]);
     }
 
     [[nodiscard]] std::uint8_t choice_around(std::uint32_t index, std::size_t half) const {

@@ -8,8 +8,8 @@
 namespace luxel {
 namespace {
 
-/// Cells along the horizon: eight across a bin.
-constexpr std::uint32_t cell_columns = 8 * sky_parts;
+/// Cells along the horizon: four across a bin.
+constexpr std::uint32_t cell_columns = 4 * sky_parts;
 /// Each round finds what was hidden behind something brighter.
 constexpr int most_rounds = 4;
 
@@ -40,8 +40,8 @@ std::vector<Rgb> bin_means(const SkyMap& map, const std::vector<Rgb>* excess, co
 }
 
 /// Per pixel the bin of its middle.
-std::vector<std::uint8_t> bins_of_pixels(const SkyMap& map) {
-    std::vector<std::uint8_t> bins(map.nits.size());
+std::vector<SkyBin> bins_of_pixels(const SkyMap& map) {
+    std::vector<SkyBin> bins(map.nits.size());
     for_each_sky_cell(map, 1, [&](const Vec3d& direction, double, std::size_t pixel) { bins[pixel] = sky_bin(to_float(direction)); });
     return bins;
 }
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> bins_of_pixels(const SkyMap& map) {
 }  // namespace
 
 SkySplit split_sky(const SkyMap& map) {
-    const std::vector<std::uint8_t> bin_of = bins_of_pixels(map);
+    const std::vector<SkyBin> bin_of = bins_of_pixels(map);
     std::vector<bool> is_bright(map.nits.size(), false);
     std::vector<Rgb> rest;
     bool found = false, more = true;

@@ -1,5 +1,5 @@
 /// A sky as patches use it: a mean per bin of directions, which goes with the counts of open rays that a patch keeps, and
-/// what is far brighter than the mean of its bin, such as the sun. That is taken out of the bins, which are 12 degrees wide
+/// what is far brighter than the mean of its bin, such as the sun. That is taken out of the bins, which are 6 degrees wide
 /// and would smear it over the scene, and tested with shadow rays of its own.
 #pragma once
 #include <vector>

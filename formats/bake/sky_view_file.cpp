@@ -5,10 +5,10 @@
 namespace luxel {
 namespace {
 
-constexpr std::uint32_t bin_count = 256;
+constexpr std::uint32_t bin_count = 1024;
 constexpr std::uint64_t head_bytes = 16;
 /// Of a block whose patches see all of the sky.
-constexpr std::uint64_t most_block_bytes = std::uint64_t{sky_view_block} * (2 + 3 * bin_count);
+constexpr std::uint64_t most_block_bytes = std::uint64_t{sky_view_block} * (2 + 4 * bin_count);
 
 [[noreturn]] void damaged(const BlockFileReader& file, const std::string& what) {
     throw Error(ErrorCode::damaged_store, file.name(), what, "remove the file and run the same command again");
@@ -39,7 +39,7 @@ SkyViewWriter::SkyViewWriter(const std::filesystem::path& path, const Key& key, 
 void SkyViewWriter::append(const SkyCounts& counts) {
     ByteWriter bytes;
     bytes.put_array(std::span<const std::uint16_t>(counts.bins_of_patch));
-    bytes.put_array(std::span<const std::uint8_t>(counts.bins));
+    bytes.put_array(std::span<const SkyBin>(counts.bins));
     bytes.put_array(std::span<const std::uint16_t>(counts.counts));
     file_.append(file_.block_count(), bytes.bytes(), 3);
 }
@@ -54,7 +54,7 @@ SkyViewReader::SkyViewReader(const std::filesystem::path& path, const Key& key)
     patch_count_ = head.get<std::uint64_t>("patches");
     rays_ = head.get<std::uint32_t>("rays");
     const auto bins = head.get<std::uint32_t>("bins");
-    if (bins != bin_count) damaged(file_, "head: expected 256 bins, found " + std::to_string(bins));
+    if (bins != bin_count) damaged(file_, "head: expected 1024 bins, found " + std::to_string(bins));
     if (rays_ == 0 || rays_ > most_sky_rays) damaged(file_, "rays of a patch: expected 1 to 32768, found " + std::to_string(rays_));
     if (block_count() != patch_count_ / sky_view_block + (patch_count_ % sky_view_block != 0))
         damaged(file_, std::to_string(block_count()) + " blocks do not hold " + std::to_string(patch_count_) + " patches");
@@ -68,7 +68,7 @@ SkyCounts SkyViewReader::read(std::size_t block) const {
     result.bins_of_patch = cursor.get_array<std::uint16_t>(patches, "bins of each patch");
     std::uint64_t total = 0;
     for (const std::uint16_t bins : result.bins_of_patch) total += bins;
-    result.bins = cursor.get_array<std::uint8_t>(total, "bins");
+    result.bins = cursor.get_array<SkyBin>(total, "bins");
     result.counts = cursor.get_array<std::uint16_t>(total, "counts");
     if (cursor.remaining())
         damaged(file_, "block " + std::to_string(block + 1) + ": " + std::to_string(cursor.remaining()) + " bytes after its " +
@@ -82,6 +82,8 @@ SkyCounts SkyViewReader::read(std::size_t block) const {
             if (at > first && result.bins[at] <= result.bins[at - 1])
                 damaged(file_, patch() + "bin " + std::to_string(result.bins[at]) + " after bin " + std::to_string(result.bins[at - 1]) +
                                    ", expected ascending ones");
+            if (result.bins[at] >= bin_count)
+                damaged(file_, patch() + "expected bins below 1024, found " + std::to_string(result.bins[at]));
             if (result.counts[at] == 0)
                 damaged(file_, patch() + "no ray in bin " + std::to_string(result.bins[at]) + ", expected one at least");
             rays += result.counts[at];

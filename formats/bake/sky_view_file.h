@@ -8,16 +8,19 @@
 
 namespace luxel {
 
-constexpr std::uint32_t sky_view_version = 1;
+constexpr std::uint32_t sky_view_version = 2;
 /// Rays per patch at most, so that a count fits 16 bits.
 constexpr std::uint32_t most_sky_rays = 32768;
 /// Patches per block.
-constexpr std::uint32_t sky_view_block = 1024;
+constexpr std::uint32_t sky_view_block = 256;
+
+/// Number of a bin of directions, below 1024.
+using SkyBin = std::uint16_t;
 
 /// Of consecutive patches: those bins that a ray went into, ascending per patch, and how many did.
 struct SkyCounts {
-    std::vector<std::uint16_t> bins_of_patch;  ///< 0 .. 256
-    std::vector<std::uint8_t> bins;
+    std::vector<std::uint16_t> bins_of_patch;  ///< 0 .. 1024
+    std::vector<SkyBin> bins;
     std::vector<std::uint16_t> counts;  ///< > 0; at most the rays of a patch together
     bool operator==(const SkyCounts&) const = default;
 };
@@ -35,7 +38,7 @@ class SkyViewWriter {
 };
 
 /// Threads: read() is const and reentrant. Throws Error{damaged_store}: missing, damaged, of another key, sizes that do not
-/// agree, bins out of order, counts of 0, more counts than rays.
+/// agree, bins out of order or range, counts of 0, more counts than rays.
 class SkyViewReader {
   public:
     SkyViewReader(const std::filesystem::path& path, const Key& key);

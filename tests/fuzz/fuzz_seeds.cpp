@@ -145,14 +145,14 @@ void sky_view(const Seeds& seeds) {
         file.publish();
         seeds.write_file("sky_view_fuzz", name);
     };
-    const SkyCounts three{{2, 0, 1}, {5, 9, 255}, {2, 1, 4}};
+    const SkyCounts three{{2, 0, 1}, {5, 9, 1023}, {2, 1, 4}};
     write("none", 0, 64, {});
     write("three", 3, 4, {three});
     // A full block, of patches under cover but for one, and what is left.
     SkyCounts full;
     full.bins_of_patch.assign(sky_view_block, 0);
-    full.bins_of_patch[1] = 256;
-    for (unsigned bin = 0; bin < 256; ++bin) full.bins.push_back(static_cast<std::uint8_t>(bin)), full.counts.push_back(128);
+    full.bins_of_patch[1] = 1024;
+    for (unsigned bin = 0; bin < 1024; ++bin) full.bins.push_back(static_cast<SkyBin>(bin)), full.counts.push_back(32);
     write("two_blocks", sky_view_block + 3, most_sky_rays, {full, three});
 }
 

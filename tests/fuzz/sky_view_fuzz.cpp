@@ -27,7 +27,7 @@ SkyView load(const std::filesystem::path& path) {
 /// The light of a sky of 1 nit from everywhere. Returns how many patches there are.
 std::size_t light(const SkyCounts& counts, std::uint32_t rays) {
     const std::vector<Rgb> sky(sky_bin_count, Rgb(1, 1, 1));
-    const std::span<const std::uint8_t> bins(counts.bins);
+    const std::span<const SkyBin> bins(counts.bins);
     const std::span<const std::uint16_t> of_bins(counts.counts);
     std::size_t at = 0;
     for (const std::size_t count : counts.bins_of_patch) {

@@ -9,8 +9,12 @@
 #include "baker/core/sobol.h"
 #include "baker/core/units.h"
 #include "baker/formfactors/memory_blocks.h"
+#include "baker/formfactors/sky_bins.h"
+#include "baker/formfactors/sky_view.h"
 #include "baker/light/gather.h"
+#include "baker/light/sky.h"
 #include "tests/support/scenes.h"
+#include "tests/support/temporary_folder.h"
 
 namespace luxel {
 namespace {
@@ -160,6 +164,61 @@ TEST(LightGuides, KeepTheMean) {
     EXPECT_NEAR(guided.first, plain.first, 4 * (plain.second + guided.second));
     EXPECT_NEAR(misled.first, plain.first, 4 * (plain.second + misled.second));
     std::printf("noise: plain %.3f, guided %.3f, misled %.3f\n", plain.second, guided.second, misled.second);
+    EXPECT_LT(guided.second, 0.7 * plain.second);
+}
+
+/// The sky through a hole of 20 cm in a roof: rays know where it is, the mean stays.
+TEST(LightGuides, PointAtTheOpenSky) {
+    // A room of 2 x 2 x 0.5 m; its roof and walls look down and in.
+    const auto made = test::prepare(SceneMaker()
+                                        .add("floor", quad({-0.25f, 0, -0.25f}, {0, 0, 0.5f}, {0.5f, 0, 0}))
+                                        .add("left", quad({-1, 0.5f, -1}, {1.4f, 0, 0}, {0, 0, 2}))
+                                        .add("right", quad({0.6f, 0.5f, -1}, {0.4f, 0, 0}, {0, 0, 2}))
+                                        .add("before", quad({0.4f, 0.5f, -1}, {0.2f, 0, 0}, {0, 0, 0.9f}))
+                                        .add("behind", quad({0.4f, 0.5f, 0.1f}, {0.2f, 0, 0}, {0, 0, 0.9f}))
+                                        .add("west", quad({-1, 0, -1}, {0, 0.5f, 0}, {0, 0, 2}))
+                                        .add("east", quad({1, 0, -1}, {0, 0, 2}, {0, 0.5f, 0}))
+                                        .add("north", quad({-1, 0, -1}, {2, 0, 0}, {0, 0.5f, 0}))
+                                        .add("south", quad({-1, 0, 1}, {0, 0.5f, 0}, {2, 0, 0}))
+                                        .build(),
+                                    {.texels_per_metre = 16, .patch_texels = 2});
+    const auto count = static_cast<PatchNumber>(made->patches.count());
+    const test::TemporaryFolder folder;
+    const Key key = KeyBuilder("test").finish();
+    SkyViewWriter file(folder / "sky", key, count, 256);
+    for (PatchNumber begin = 0; begin < count; begin += sky_view_block)
+        file.append(count_sky_rays(made->scene, made->atlas, made->patches, *made->tracer, begin, std::min(begin + sky_view_block, count), {256, 0}));
+    file.publish();
+    const SkyInView view(folder / "sky", key, count, std::vector<Rgb>(sky_bin_count, Rgb(2, 2, 2)));
+    MemoryBlocks matrix(made->layout, made->area_m2(), std::vector<double>(count, 0), std::vector<ExchangePair>());
+    const std::vector<float> dark(count, 0);
+    const LightGuides guides(matrix, made->patches, dark, dark, &view);
+    const EmitterSet emitters(made->scene, made->atlas, made->patches);
+    const RadiosityDetail radiosity(std::vector<Rgb>(count, Rgb(0, 0, 0)));
+    const SkyMap map{1, 1, {Rgb(2, 2, 2)}, 0};
+    const Sky sky(map);
+    const auto moments = [&](const LightGuides& used) {
+        const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, radiosity, used, &sky};
+        const auto gathered = gather_page(input, 0, {.rays = 64}, nullptr);
+        double sum = 0, noise = 0;
+        for (std::size_t k = 0; k < made->texels.pages[0].texels.size(); ++k) {
+            if (made->atlas.charts[made->texels.pages[0].texels[k].chart].object != 0) continue;
+            sum += static_cast<double>(gathered->emitted.halves[0][k].x + gathered->emitted.halves[1][k].x) / 2;
+            noise += std::pow(static_cast<double>(gathered->emitted.halves[0][k].x - gathered->emitted.halves[1][k].x) / 2, 2);
+        }
+        return std::pair(sum, std::sqrt(noise));
+    };
+    for (PatchNumber p = 0; p < count; ++p) {
+        if (made->path_of(p) != "floor") continue;
+        const GuideWarp warp(guides.of(p));
+        const Frame frame(made->patches.patches[p].normal);
+        EXPECT_GT(warp.density(frame.to_local((Vec3f(0.5f, 0.5f, 0) - made->patches.patches[p].center).normalized())), 2);
+        EXPECT_LT(warp.density(frame.to_local(Vec3f(-1, 0.6f, 0).normalized())), 0.6f);
+    }
+    const auto plain = moments(LightGuides()), guided = moments(guides);
+    ASSERT_GT(plain.first, 0);
+    EXPECT_NEAR(guided.first, plain.first, 4 * (plain.second + guided.second));
+    std::printf("noise: plain %.3f, guided %.3f\n", plain.second, guided.second);
     EXPECT_LT(guided.second, 0.7 * plain.second);
 }
 

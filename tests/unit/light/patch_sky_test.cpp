@@ -10,6 +10,7 @@
 #include "baker/formfactors/sky_view.h"
 #include "baker/light/gather.h"
 #include "baker/light/sky.h"
+#include "baker/light/sky_split.h"
 #include "baker/patches/patch_sampler.h"
 #include "tests/support/scenes.h"
 

@@ -115,12 +115,24 @@ TEST(SkyBins, HaveEqualSolidAnglesWhereThePageSays) {
     const SkyMap map = even(1);
     for_each_sky_cell(map, 2048, [&](const Vec3d& d, double solid_angle, std::size_t) {
         const double longitude = std::atan2(d.z, d.x) + (d.z < 0 ? 2 * pi_d : 0);
-        const auto band = static_cast<std::uint32_t>((1 - d.y) * 8),
-                   part = static_cast<std::uint32_t>(longitude / pi_d * 8);
+        const auto band = static_cast<std::uint32_t>((1 - d.y) * 16),
+                   part = static_cast<std::uint32_t>(longitude / pi_d * 16);
         solid[sky_bin(to_float(d))] += solid_angle;
-        ASSERT_EQ(sky_bin(to_float(d)), band * 16 + part) << d.x << " " << d.y << " " << d.z;
+        ASSERT_EQ(sky_bin(to_float(d)), band * 32 + part) << d.x << " " << d.y << " " << d.z;
     });
-    for (const double s : solid) EXPECT_NEAR(s, 4 * pi_d / 256, 0.02 * 4 * pi_d / 256);
+    for (const double s : solid) EXPECT_NEAR(s, 4 * pi_d / 1024, 0.04 * 4 * pi_d / 1024);
+}
+
+TEST(SkyBins, DirectionsLieInTheirBinAndAllOverIt) {
+    for (std::uint32_t bin = 0; bin < sky_bin_count; ++bin) {
+        Vec3f sum(0, 0, 0);
+        for (const Vec3f& d : directions_in_sky_bin(static_cast<SkyBin>(bin))) {
+            EXPECT_NEAR(d.length(), 1, 1e-6f);
+            EXPECT_EQ(sky_bin(d), bin);
+            sum += d;
+        }
+        EXPECT_EQ(sky_bin(sum.normalized()), bin);
+    }
 }
 
 TEST(SkySplit, PartsAddUpAndTheSunIsTakenOut) {
