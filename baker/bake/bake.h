@@ -51,6 +51,8 @@ struct BakeOptions {
     std::filesystem::path input, output;
     std::filesystem::path work;  ///< bake folder, kept; empty: a temporary one beside the output, removed at the end
 
+    std::string scene;          ///< number or name in the file; empty: the default one
+    bool skip_skinned = false;  ///< leave out nodes with a skin
     BadValues bad_values = BadValues::clamp;  ///< numbers of materials and lamps that cannot be
     double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
     double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none

@@ -1,5 +1,6 @@
 #include "formats/gltf/gltf_in.h"
 
+#include <charconv>
 #include <set>
 
 #include "formats/gltf/gltf_json.h"
@@ -81,12 +82,32 @@ class MeshReader {
 
 }  // namespace
 
+int find_scene(const GltfDocument& document, const std::string& wanted) {
+    const std::size_t count = gltf_count(document.json, "scenes");
+    std::vector<std::string> names;
+    std::vector<int> found;
+    for (std::size_t k = 0; k < count; ++k) {
+        const json& item = gltf_item(document.json, "scenes", static_cast<std::int64_t>(k), document.name);
+        names.push_back(json_text(item, "name", "", document.name + ": scene " + std::to_string(k)));
+        if (names.back() == wanted) found.push_back(static_cast<int>(k));
+    }
+    std::size_t number = 0;
+    const auto end = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (end.ec == std::errc() && end.ptr == wanted.data() + wanted.size() && number < count) return static_cast<int>(number);
+    if (found.size() == 1) return found[0];
+    std::string list;
+    for (std::size_t k = 0; k < count; ++k) list += (k ? ", " : "") + std::to_string(k) + (names[k].empty() ? "" : " \"" + names[k] + "\"");
+    throw Error(ErrorCode::bad_input, document.name,
+                "expected one scene that is called " + wanted + ", found " + std::to_string(found.size()) + " among: " + (count ? list : "none"),
+                "give its number or its name");
+}
+
 SceneRecord read_scene(const GltfDocument& document, const ReadOptions& options) {
     SceneRecord record;
     record.warnings = document.warnings;
     if (gltf_count(document.json, "animations") > 0)
         record.warnings.push_back({"animation-rest-pose", document.name, "animations are ignored: the scene is baked at rest"});
-    read_nodes(document, options.scene, record);
+    read_nodes(document, options.scene, options.skip_skinned, record);
     read_sky(document, options, record);
     read_materials(document, options.external_images, record);
 

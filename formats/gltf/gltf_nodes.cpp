@@ -74,8 +74,8 @@ void read_lamp_size(const json& owner, LampRecord& lamp, const std::string& wher
 
 class NodeWalk {
   public:
-    NodeWalk(const GltfDocument& document, SceneRecord& record)
-        : document_(document), record_(record), node_count_(gltf_count(document.json, "nodes")), state_(node_count_) {}
+    NodeWalk(const GltfDocument& document, bool skip_skinned, SceneRecord& record)
+        : document_(document), record_(record), skip_skinned_(skip_skinned), node_count_(gltf_count(document.json, "nodes")), state_(node_count_) {}
 
     /// Depth first, with a stack of its own: the depth of a file must not cost the program's.
     void walk(const json& roots, const std::string& where) {
@@ -165,8 +165,10 @@ class NodeWalk {
                   const std::string& where) {
         const std::int64_t mesh = json_index(node, "mesh", gltf_count(document_.json, "meshes"), where);
         if (mesh < 0) return;
-        if (json_index(node, "skin", gltf_count(document_.json, "skins"), where) >= 0)
+        if (json_index(node, "skin", gltf_count(document_.json, "skins"), where) >= 0) {
+            if (skip_skinned_) return record_.warnings.push_back({"skinned-skipped", where, "has a skin: left out, it neither gets light nor stops it"});
             record_.warnings.push_back({"skinned-rest-pose", where, "the skin is ignored: the mesh is baked in its rest pose"});
+        }
         InstanceRecord instance;
         instance.node = static_cast<int>(n);
         instance.mesh = static_cast<int>(mesh);
@@ -248,15 +250,16 @@ class NodeWalk {
     static constexpr std::uint64_t unknown_count = ~std::uint64_t{0};
     const GltfDocument& document_;
     SceneRecord& record_;
+    bool skip_skinned_;
     std::size_t node_count_;
     std::vector<State> state_;
 };
 
 }  // namespace
 
-void read_nodes(const GltfDocument& document, int scene, SceneRecord& record) {
+void read_nodes(const GltfDocument& document, int scene, bool skip_skinned, SceneRecord& record) {
     const std::size_t scene_count = gltf_count(document.json, "scenes");
-    NodeWalk walk(document, record);
+    NodeWalk walk(document, skip_skinned, record);
     std::int64_t chosen = scene >= 0 ? scene : json_index(document.json, "scene", scene_count, document.name);
     if (chosen < 0 && scene_count > 0) chosen = 0;
     if (chosen < 0) {

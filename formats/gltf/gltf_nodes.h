@@ -15,6 +15,7 @@ namespace luxel {
 /// Appends instances, lamps and warnings to `record`, in document order of a depth-first walk. `scene` -1: the default.
 /// A part of a path is the node's name, in which "/", "@" and "%" are written as %2F, %40 and %25, or "#index" without
 /// one; the second sibling of one name gets ":1" and so on.
-void read_nodes(const GltfDocument& document, int scene, SceneRecord& record);
+/// `skip_skinned`: nodes with a skin have no instance.
+void read_nodes(const GltfDocument& document, int scene, bool skip_skinned, SceneRecord& record);
 
 }  // namespace luxel

@@ -36,14 +36,14 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", bad_values = "clamp", blend_colour = "off", gather = "on";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on";
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
-    bool verify = false, quiet = false;
+    bool verify = false, quiet = false, skip_skinned = false;
 };
 
 /// Refuses what a range check lets through: not-a-number compares with nothing.
@@ -119,6 +119,8 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.input = a.input;
     o.output = a.output;
     o.work = a.work;
+    o.scene = a.scene;
+    o.skip_skinned = a.skip_skinned;
     o.bad_values = a.bad_values == "refuse" ? BadValues::refuse : BadValues::clamp;
     o.lamp_radius = a.lamp_radius;
     o.sun_angle_degrees = a.sun_angle;
@@ -177,6 +179,8 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"atlas-size", std::to_string(o.unwrap.page_size)},
             {"padding", std::to_string(o.unwrap.padding)},
             {"uv", a.uv},
+            {"scene", a.scene.empty() ? "default" : a.scene},
+            {"skip-skinned", a.skip_skinned ? "on" : "off"},
             {"patch-texels", std::to_string(o.patch_texels)},
             {"chunks", a.chunks},
             {"chunk-patches", std::to_string(o.chunk_patches)},
@@ -264,6 +268,8 @@ std::vector<std::string> interpolation_names() {
 void add_options(CLI::App& command, Arguments& a) {
     command.add_option("input", a.input, "scene, .gltf or .glb")->required()->type_name("IN");
     command.add_option("-o,--output", a.output, "result, .glb or .gltf")->required()->type_name("OUT");
+    command.add_option("--scene", a.scene, "of a file with several: number or name (the file's default)")->type_name("SCENE")->group("Input");
+    command.add_flag("--skip-skinned", a.skip_skinned, "leave out meshes with a skin, which move; otherwise they stand in their rest pose")->group("Input");
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
         ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");
     command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 by quality)")

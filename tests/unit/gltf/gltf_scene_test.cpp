@@ -152,6 +152,39 @@ TEST(GltfNodes, TheDefaultSceneIsReadOthersAreNamed) {
     EXPECT_EQ(read_scene(made.document()).instances.size(), 2u);
 }
 
+TEST(GltfNodes, ScenesAreFoundByNumberAndName) {
+    MadeGltf made;
+    made.primitive(made.square());
+    made.json["nodes"] = json::parse(R"([{"name":"x","mesh":0}])");
+    made.json["scenes"] = json::parse(R"([{"name":"day","nodes":[0]},{"name":"night","nodes":[0]},{"name":"day"},{"name":"0"}])");
+    const GltfDocument document = made.document();
+    EXPECT_EQ(find_scene(document, "3"), 3);
+    EXPECT_EQ(find_scene(document, "night"), 1);
+    EXPECT_EQ(find_scene(document, "0"), 0) << "a number comes first";
+    for (const char* wanted : {"day", "dawn", "4", "-1", "1x", ""})
+        EXPECT_THAT(bad_input_of([&] { find_scene(document, wanted); }), HasSubstr("0 \"day\", 1 \"night\", 2 \"day\", 3 \"0\"")) << wanted;
+    made.json.erase("scenes");
+    made.json.erase("scene");
+    const GltfDocument none = made.document();
+    EXPECT_THAT(bad_input_of([&] { find_scene(none, "0"); }), HasSubstr("among: none"));
+}
+
+TEST(GltfNodes, SkinnedMeshesStandAtRestOrAreLeftOut) {
+    MadeGltf made;
+    made.primitive(made.square());
+    made.json["nodes"] = json::parse(R"([{"name":"hero","mesh":0,"skin":0},{"name":"wall","mesh":0}])");
+    made.json["scenes"][0]["nodes"] = {0, 1};
+    made.json["skins"] = json::parse(R"([{"joints":[1]}])");
+    const SceneRecord all = read_scene(made.document());
+    EXPECT_EQ(all.instances.size(), 2u);
+    EXPECT_TRUE(has_warning(all, "skinned-rest-pose"));
+    const SceneRecord still = read_scene(made.document(), {.skip_skinned = true});
+    ASSERT_EQ(still.instances.size(), 1u);
+    EXPECT_EQ(still.instances[0].node_path, "/wall");
+    EXPECT_TRUE(has_warning(still, "skinned-skipped"));
+    EXPECT_FALSE(has_warning(still, "skinned-rest-pose"));
+}
+
 TEST(GltfNodes, GpuInstancesAreExpanded) {
     MadeGltf made;
     made.primitive(made.square());
