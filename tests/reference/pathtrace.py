@@ -23,7 +23,7 @@ from lamps import LUMINANCE, LampTable   # noqa: E402
 
 F, U, B, V3, V2 = mi.Float, mi.UInt32, mi.Bool, mi.Vector3f, mi.Vector2f
 OFFSET = 1e-5        # of the half extent: ray starts leave their surface by this
-MANY_BOUNCES = 64    # from here on chance ends a path whatever it carries: between white surfaces nothing else would
+MANY_BOUNCES = 256   # from here on chance ends a path whatever it carries: between white surfaces nothing else would
 BATCHES = 16         # independent runs, for the standard error
 LANES = 1 << 20      # paths in flight
 
@@ -403,7 +403,7 @@ class Tracer:
             along = dr.select(meets, 0, far + OFFSET)
             fresh = B(meets)
             bounces += dr.select(meets, U(1), U(0))
-            most = dr.select(bounces < MANY_BOUNCES, F(1), F(0.9))
+            most = dr.select(bounces < MANY_BOUNCES, F(1), F(0.99))
             keep = dr.select(meets, dr.minimum(dr.max(throughput) * 4, most), 1)
             active &= rng.next_float32() < keep
             throughput /= dr.maximum(keep, 1e-20)
