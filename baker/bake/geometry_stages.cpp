@@ -61,7 +61,7 @@ Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
 }
 
 void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
-    g.document = load_gltf(options.input);
+    g.document = load_gltf(options.input, options.allow_outside);
     g.record = read_scene(g.document, {.scene = options.scene.empty() ? -1 : find_scene(g.document, options.scene),
                                        .skip_skinned = options.skip_skinned});
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());

@@ -60,7 +60,7 @@ void report_findings(const SceneRecord& record, const ObjectSize& size, std::vec
         warnings.push_back({"dropped-triangles", object_name(record, size),
                             std::to_string(dropped) + " of " + std::to_string(dropped + size.triangle_count) +
                                 " triangles dropped: " + std::to_string(size.not_finite_count) +
-                                " with corners that are not finite, " + std::to_string(size.no_area_count) + " without area"});
+                                " with corners that are not finite or beyond 1e9 m, " + std::to_string(size.no_area_count) + " without area"});
     if (size.bad_normal_count)
         warnings.push_back({"bad-normals", object_name(record, size),
                             std::to_string(size.bad_normal_count) + " vertices have no usable normal: that of the surface is used"});

@@ -12,6 +12,7 @@ namespace {
 
 bool is_finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool is_finite(const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_within(const Vec3d& v, double most) { return is_finite(v) && std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}) <= most; }
 bool is_finite(const Vec2f& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 
 /// Affine only: a last column other than 0 0 0 1 has no meaning for nodes.
@@ -72,7 +73,7 @@ MovedPrimitive move_and_clean(const PrimitiveRecord& primitive, const Matrix44d&
         std::array<std::uint32_t, 3> triangle{primitive.indices[3 * t], primitive.indices[3 * t + 1],
                                               primitive.indices[3 * t + 2]};
         if (out.mirrored) std::swap(triangle[1], triangle[2]);
-        if (!std::ranges::all_of(triangle, [&](std::uint32_t v) { return is_finite(moved.positions[v]); })) {
+        if (!std::ranges::all_of(triangle, [&](std::uint32_t v) { return is_within(Vec3d(moved.positions[v]), 1.5 * farthest_m); })) {
             ++out.not_finite_count;
             continue;
         }
@@ -186,7 +187,7 @@ Vec3d scene_origin(const SceneRecord& record) {
         for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(instance.mesh)].primitives)
             for (const Vec3f& p : primitive.positions) {
                 const Vec3d world = transformed(p, instance.world);
-                if (is_finite(world)) boxes[i].add(world);
+                if (is_within(world, farthest_m)) boxes[i].add(world);
             }
     });
     Box box;

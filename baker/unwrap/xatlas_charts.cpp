@@ -21,7 +21,11 @@ using AtlasPointer = std::unique_ptr<xatlas::Atlas, AtlasDeleter>;
 struct ScaledPiece {
     std::vector<Vec3f> positions;
     std::vector<std::uint32_t> indices;
+    double extent = 0;  ///< longest side of its box
 };
+
+/// xatlas packs in bitmaps of a pixel per unit: what is longer has slivers of 1 : 10^9 and would take it hours and gigabytes.
+constexpr double longest_piece = 65536;
 
 ScaledPiece scaled_piece(const ObjectMesh& mesh, const std::vector<std::uint32_t>& piece) {
     std::vector<std::uint32_t> used;
@@ -41,6 +45,7 @@ ScaledPiece scaled_piece(const ObjectMesh& mesh, const std::vector<std::uint32_t
     const Vec3d centre = (low + high) * 0.5;
     const double scale = std::sqrt(static_cast<double>(piece.size()) / area);
     ScaledPiece result;
+    for (int axis = 0; axis < 3; ++axis) result.extent = std::max(result.extent, (high[axis] - low[axis]) * scale);
     result.positions.reserve(used.size());
     for (const std::uint32_t v : used) result.positions.push_back(to_float((mesh.positions[v] - centre) * scale));
     result.indices.reserve(piece.size() * 3);
@@ -95,7 +100,8 @@ PieceCharts xatlas_charts(const ObjectMesh& mesh, const std::vector<std::uint32_
     const ScaledPiece scaled = scaled_piece(mesh, piece);
     Clock::time_point deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(time_limit_s));
-    const AtlasPointer atlas = run_xatlas(scaled, deadline);
+    const bool is_fit = scaled.extent <= longest_piece;
+    const AtlasPointer atlas = is_fit ? run_xatlas(scaled, deadline) : nullptr;
     std::vector<bool> charted(piece.size(), false);
     if (atlas && atlas->meshes && atlas->meshCount == 1) {
         const xatlas::Mesh& out = atlas->meshes[0];
@@ -116,7 +122,7 @@ PieceCharts xatlas_charts(const ObjectMesh& mesh, const std::vector<std::uint32_
             }
             if (!chart.triangles.empty()) result.charts.push_back(std::move(chart));
         }
-    } else {
+    } else if (is_fit) {
         result.timed_out = Clock::now() >= deadline;
     }
     for (std::size_t i = 0; i < piece.size(); ++i)

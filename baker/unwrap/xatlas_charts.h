@@ -14,7 +14,7 @@ struct PieceCharts {
     bool timed_out = false;               ///< gave up: everything is left out
 };
 
-/// `time_limit_s` bounds a piece that never ends; a bounded piece takes a small fraction of a second.
+/// Pieces with slivers a billion times as long as wide are left out whole. `time_limit_s` bounds a piece that never ends; a bounded piece takes a small fraction of a second.
 PieceCharts xatlas_charts(const ObjectMesh& mesh, const std::vector<std::uint32_t>& piece, double time_limit_s);
 
 }  // namespace luxel

@@ -247,10 +247,11 @@ std::uint64_t GltfDocument::view_stride(std::int64_t index) const {
     return stride;
 }
 
-GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::filesystem::path& folder) {
+GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::filesystem::path& folder, bool allow_outside) {
     GltfDocument document;
     document.name = name;
     document.folder = folder;
+    document.allow_outside = allow_outside;
     document.binary = bytes.size() >= 4 && u32_at(bytes, 0) == glb_magic;
     if (bytes.empty()) bad_gltf(name, "the file is empty", damaged_hint);
     const Container container = document.binary ? open_glb(bytes, name) : Container{bytes, std::nullopt};
@@ -262,8 +263,8 @@ GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::file
     return document;
 }
 
-GltfDocument load_gltf(const std::filesystem::path& path) {
-    return parse_gltf(read_file(path), path.filename().string(), path.parent_path());
+GltfDocument load_gltf(const std::filesystem::path& path, bool allow_outside) {
+    return parse_gltf(read_file(path), path.filename().string(), path.parent_path(), allow_outside);
 }
 
 }  // namespace luxel

@@ -25,6 +25,7 @@ namespace luxel {
 struct GltfDocument {
     std::string name;              ///< file name, the first part of every message
     std::filesystem::path folder;  ///< where relative URIs start
+    bool allow_outside = false;    ///< URIs may lead out of the folder
     bool binary = false;           ///< a GLB container
     nlohmann::json json;           ///< an object with asset.version 2.x; otherwise as found
     /// One per json["buffers"], at least byteLength bytes (a GLB chunk is padded). Empty for a meshopt fallback buffer
@@ -40,14 +41,15 @@ struct GltfDocument {
     [[nodiscard]] std::uint64_t view_stride(std::int64_t index) const;
 };
 
-/// Loads a file with its external buffers; images stay where they are.
-GltfDocument load_gltf(const std::filesystem::path& path);
+/// Loads a file with its external buffers; images stay where they are. URIs that lead out of the file's folder, by "..", or absolute
+/// paths, are refused unless `allow_outside`: a file from elsewhere should not read what it likes.
+GltfDocument load_gltf(const std::filesystem::path& path, bool allow_outside = false);
 
 /// The same from bytes in memory; relative URIs start at `folder`.
-GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::filesystem::path& folder);
+GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::filesystem::path& folder, bool allow_outside = false);
 
 /// Bytes behind a URI: data: (base64 or percent-encoded) or a file relative to the document (percent-decoded).
-/// Absolute paths and other schemes are refused. If `mime_type` is given it receives a data URI's type.
+/// Other schemes are refused, and what lies outside of the folder unless the document allows it. If `mime_type` is given it receives a data URI's type.
 Bytes read_uri(const GltfDocument& document, const std::string& uri, const std::string& where,
                std::string* mime_type = nullptr);
 

@@ -167,6 +167,7 @@ void load_image(const GltfDocument& document, std::int64_t index, bool external_
         if (!embedded && !external_images) return;
         std::string mime_type;
         image.bytes = read_uri(document, uri, where, &mime_type);
+        if (image.bytes.empty()) bad_gltf(where, "is empty");
         if (image.mime_type.empty()) image.mime_type = mime_type;
     } catch (const Error& problem) {
         warnings.push_back({"image-missing", problem.where, problem.what_text + instead});

@@ -100,10 +100,13 @@ std::filesystem::path uri_path(const GltfDocument& document, const std::string& 
     if (!decoded || decoded->empty() || decoded->find('\0') != std::string::npos)
         bad_gltf(where, "uri \"" + shortened(uri) + "\" is not a valid relative path");
     // A UTF-8 string constructor: on the systems we run on a path is the same bytes.
-    const std::filesystem::path relative(*decoded);
-    if (relative.is_absolute() || decoded->front() == '\\')
-        bad_gltf(where, "uri \"" + shortened(uri) + "\" is an absolute path",
-                 "store the file beside the glTF file and refer to it by a relative path");
+    const std::filesystem::path relative = std::filesystem::path(*decoded).lexically_normal();
+    if (!document.allow_outside) {
+        const char* hint = "store the file beside the glTF file and refer to it by a relative path, or allow it: --allow-outside";
+        if (relative.is_absolute() || decoded->front() == '\\')
+            bad_gltf(where, "uri \"" + shortened(uri) + "\" is an absolute path", hint);
+        if (*relative.begin() == "..") bad_gltf(where, "uri \"" + shortened(uri) + "\" leads out of the folder of the file", hint);
+    }
     return document.folder / relative;
 }
 

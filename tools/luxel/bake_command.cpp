@@ -16,6 +16,7 @@
 #include "tools/luxel/inspect_text.h"
 #include "tools/luxel/interrupt.h"
 #include "tools/luxel/progress_printer.h"
+#include "tools/luxel/printable.h"
 #include "tools/luxel/report_json.h"
 #include "tools/luxel/size_option.h"
 
@@ -43,7 +44,7 @@ struct Arguments {
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
-    bool verify = false, quiet = false, skip_skinned = false;
+    bool verify = false, quiet = false, skip_skinned = false, allow_outside = false;
 };
 
 /// Refuses what a range check lets through: not-a-number compares with nothing.
@@ -121,6 +122,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.work = a.work;
     o.scene = a.scene;
     o.skip_skinned = a.skip_skinned;
+    o.allow_outside = a.allow_outside;
     o.bad_values = a.bad_values == "refuse" ? BadValues::refuse : BadValues::clamp;
     o.lamp_radius = a.lamp_radius;
     o.sun_angle_degrees = a.sun_angle;
@@ -180,6 +182,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"padding", std::to_string(o.unwrap.padding)},
             {"uv", a.uv},
             {"scene", a.scene.empty() ? "default" : a.scene},
+            {"allow-outside", a.allow_outside ? "on" : "off"},
             {"skip-skinned", a.skip_skinned ? "on" : "off"},
             {"patch-texels", std::to_string(o.patch_texels)},
             {"chunks", a.chunks},
@@ -245,7 +248,7 @@ int run(const Arguments& arguments, const CLI::App& command) {
     printer.finish();
     report.settings = settings(arguments, options);
     for (const Warning& warning : report.warnings)
-        fmt::print(stderr, "luxel: warning: {}: {} [{}]\n", warning.where, warning.text, warning.code);
+        fmt::print(stderr, "luxel: warning: {}: {} [{}]\n", printable(warning.where), printable(warning.text), warning.code);
     if (!arguments.report.empty()) {
         const std::string text = report_json(report);
         publish_file(arguments.report, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -270,6 +273,7 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("-o,--output", a.output, "result, .glb or .gltf")->required()->type_name("OUT");
     command.add_option("--scene", a.scene, "of a file with several: number or name (the file's default)")->type_name("SCENE")->group("Input");
     command.add_flag("--skip-skinned", a.skip_skinned, "leave out meshes with a skin, which move; otherwise they stand in their rest pose")->group("Input");
+    command.add_flag("--allow-outside", a.allow_outside, "the scene may read files outside of its folder, by \"..\" or absolute paths")->group("Input");
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
         ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");
     command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 by quality)")

@@ -8,6 +8,7 @@
 #include "formats/base/error.h"
 #include "tools/luxel/bake_command.h"
 #include "tools/luxel/inspect_command.h"
+#include "tools/luxel/printable.h"
 
 namespace {
 
@@ -27,7 +28,7 @@ const char* usual_hint(luxel::ErrorCode code) {
 }
 
 int report(const luxel::Error& error) {
-    std::fprintf(stderr, "luxel: error: %s: %s\n", error.where.c_str(), error.what_text.c_str());
+    std::fprintf(stderr, "luxel: error: %s: %s\n", luxel::printable(error.where).c_str(), luxel::printable(error.what_text).c_str());
     std::fprintf(stderr, "       %s\n", error.hint.empty() ? usual_hint(error.code) : error.hint.c_str());
     return static_cast<int>(error.code);
 }

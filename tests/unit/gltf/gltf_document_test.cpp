@@ -116,12 +116,16 @@ TEST(GltfDocument, ExternalBuffers) {
     const auto folder = std::filesystem::temp_directory_path() / "luxel_gltf_document_test";
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "my data.bin", std::ios::binary) << "abcd";
-    const auto parse_with = [&](const std::string& uri) {
+    const auto parse_with = [&](const std::string& uri, bool allow_outside = false) {
         const std::string text = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":4,"uri":")" + uri + "\"}]}";
-        return parse_gltf({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "made.gltf", folder);
+        return parse_gltf({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}, "made.gltf", folder, allow_outside);
     };
     EXPECT_EQ(parse_with("my%20data.bin").buffers[0], (Bytes{'a', 'b', 'c', 'd'}));
-    EXPECT_EQ(parse_with("../luxel_gltf_document_test/my data.bin").buffers[0].size(), 4u);
+    EXPECT_EQ(parse_with("inner/../my data.bin").buffers[0].size(), 4u);
+    for (const char* outside : {"../luxel_gltf_document_test/my data.bin", "inner/../../luxel_gltf_document_test/my data.bin", "%2e%2e/x", ".."})
+        EXPECT_THAT(bad_input_of([&] { parse_with(outside); }), testing::AllOf(HasSubstr("leads out of the folder"), HasSubstr("--allow-outside"))) << outside;
+    EXPECT_EQ(parse_with("../luxel_gltf_document_test/my data.bin", true).buffers[0].size(), 4u);
+    EXPECT_EQ(parse_with((folder / "my data.bin").string(), true).buffers[0].size(), 4u);
     EXPECT_THAT(bad_input_of([&] { parse_with("gone.bin"); }), testing::AllOf(HasSubstr("buffer 0"), HasSubstr("gone.bin")));
     EXPECT_THAT(bad_input_of([&] { parse_with("http://example.org/a.bin"); }), HasSubstr("http: is not followed"));
     EXPECT_THAT(bad_input_of([&] { parse_with("file:///etc/hostname"); }), HasSubstr("file: is not followed"));
