@@ -15,8 +15,8 @@ namespace luxel {
 /// Name of what "sky view" leaves.
 Key sky_view_key(const BakeOptions& options, const BakedGeometry& geometry);
 
-/// Adds the sky's irradiance to that of each patch, lux, and returns the sky as patches see it. Null: there is none, or none sees it. Throws Error{stopped_early} when it was asked to
-/// stop before the rays were traced.
+/// Adds the sky's irradiance to that of each patch, lux, and returns the sky as patches see it. Null: there is none, or none sees it.
+/// Throws Error{stopped_early} when it was asked to stop before the rays were traced.
 std::unique_ptr<const SkyInView> add_sky_light(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder,
                                                std::vector<Rgb>& irradiance, StageClock& clock, BakeReport& report);
 

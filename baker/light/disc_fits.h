@@ -57,6 +57,8 @@ class DiscFits {
     /// `centre`: index of a texel that light can be gathered at. Keeps references to all.
     DiscFits(const GatheredLight& light, const TexelGrid& grid, std::uint32_t centre, WeightCache& cache);
     const DiscFit& operator[](std::size_t disc);
+    /// The texels of the smallest noise disc.
+    [[nodiscard]] std::span<const TexelWindow::Member> neighbours() const { return window_.members().first(levels_[smallest_noise_disc].weights.size()); }
     /// Of a half, lux: the median luminance of the texel and those beside it.
     [[nodiscard]] double median_beside(std::size_t half) const { return median_beside_[half]; }
 

@@ -89,7 +89,7 @@ class Sharer {
     [[nodiscard]] Choice raised_choice(std::uint32_t index, DiscFits& fits) const {
         Choice raised = choices_[index];
         for (std::size_t half = 0; half < 2; ++half) {
-            const std::uint8_t around = choice_around(index, half), alone = raised[half];
+            const std::uint8_t around = choice_around(fits.neighbours(), half), alone = raised[half];
             const auto is_far = [&](std::uint8_t disc, std::size_t by) {
                 // A single texel may be an outlier by itself.
                 const double own = alone == 0 ? fits.median_beside(by) : fits[alone].luminance(by);
@@ -103,13 +103,11 @@ class Sharer {
         return raised;
     }
 
-    [[nodiscard]] std::uint8_t choice_around(std::uint32_t index, std::size_t half) const {
-        TexelWindow window(grid_, index);
-        for (std::size_t k = 0; k <= DiscFits::smallest_noise_disc; ++k) window.grow(k);
+    [[nodiscard]] std::uint8_t choice_around(std::span<const TexelWindow::Member> neighbours, std::size_t half) const {
         std::array<std::uint8_t, 13> chosen{};
-        const auto end = std::transform(window.members().begin(), window.members().end(), chosen.begin(),
+        const auto end = std::transform(neighbours.begin(), neighbours.end(), chosen.begin(),
                                         [&](const TexelWindow::Member& member) { return choices_[member.texel][half]; });
-        const auto rank = chosen.begin() + static_cast<std::ptrdiff_t>(raised_to * static_cast<double>(window.members().size()));
+        const auto rank = chosen.begin() + static_cast<std::ptrdiff_t>(raised_to * static_cast<double>(neighbours.size()));
         std::nth_element(chosen.begin(), rank, end);
         return *rank;
     }

@@ -5,17 +5,16 @@
 /// the second degree.
 ///
 /// Noise is taken to go with light, so that dark texels beside bright ones know themselves well, and little leaks into them. Where a
-/// texel's disc is smaller than those around it by chance only, it takes one as large as theirs: no dots are left on even surroundings.
+/// texel's disc is smaller than those around it by chance only, it takes one as large as theirs, so that few dots are left on even surroundings.
 ///
 /// Neighbours are texels of the same chart that one can walk to without crossing what stands on the surface
 /// (Texel::joined_right, joined_down): no light passes a chart border or a wall.
 ///
 /// Threads  uses them all; a pure function.
 /// Source   Goldenshluger and Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997, and Katkovnik, A
-///          new method for varying adaptive bandwidth selection, IEEE Trans. Signal Processing 47(9) 1999 (the interval rule; that
-///          chosen scales be ranked against those around: Katkovnik, Egiazarian, Astola, Local Approximation Techniques in Signal and Image
-///          Processing, SPIE 2006); Fan and Gijbels, Local Polynomial Modelling, 1996 (no more bias at borders than
-///          inside).
+///          new method for varying adaptive bandwidth selection, IEEE Trans. Signal Processing 47(9) 1999 (the interval rule);
+///          Katkovnik, Egiazarian, Astola, Local Approximation Techniques in Signal and Image Processing, SPIE 2006 (chosen scales are
+///          ranked against those around).
 #pragma once
 #include <span>
 #include <vector>

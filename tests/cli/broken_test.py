@@ -126,6 +126,7 @@ edit("a tree of 3000 levels", "deeper than", nodes=[{"children": [k + 1]} for k 
 edit("mesh out of range", "mesh", nodes__0__mesh=6)
 edit("name with a newline", "warning: /wall\\x0aluxel: warning", nodes__0__name="wall\nluxel: warning: x", nodes__0__scale=[0, 0, 0])
 edit("name that steers terminals", "warning: /wall\\x1b[2J", nodes__0__name="wall\x1b[2J", nodes__0__scale=[0, 0, 0])
+edit("name that steers terminals in UTF-8", "warning: /wall\\xc2", nodes__0__name="wall\u009b2J", nodes__0__scale=[0, 0, 0])
 edit("name of a megabyte", "warning: ", nodes__0__name="x" * (1 << 20), nodes__0__scale=[0, 0, 0])
 edit("name is a number", "name", nodes__0__name=5)
 edit("required extension that nobody knows", "EXT_unheard_of", extensionsRequired=["EXT_unheard_of"])

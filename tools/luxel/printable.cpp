@@ -13,7 +13,9 @@ std::string printable(const std::string& text) {
             k = text.size() - most / 2;
         }
         const auto byte = static_cast<unsigned char>(text[k]);
-        if (byte < 0x20 || byte == 0x7f) out += fmt::format("\\x{:02x}", byte);
+        const auto next = static_cast<unsigned char>(k + 1 < text.size() ? text[k + 1] : 0);
+        const bool is_c1 = byte == 0xc2 && next >= 0x80 && next < 0xa0;  // control characters of two bytes in UTF-8
+        if (byte < 0x20 || byte == 0x7f || is_c1) out += fmt::format("\\x{:02x}", byte);
         else out.push_back(text[k]);
     }
     return out;
