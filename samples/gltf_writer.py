@@ -142,7 +142,7 @@ class Gltf:
     def _accessor(self, data, component, kind, count, target, **limits):
         while len(self.blob) % 4:
             self.blob.append(0)
-        self.views.append({"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(data), "target": target})
+        self.views.append({"buffer": 0, "byteOffset": len(self.blob), "byteLength": len(data), **({"target": target} if target else {})})
         self.blob += data
         self.accessors.append({"bufferView": len(self.views) - 1, "componentType": component, "count": count,
                                "type": kind, **limits})
@@ -187,6 +187,17 @@ class Gltf:
         self.nodes.append(entry)
         index = len(self.nodes) - 1
         (self.roots if parent is None else self.nodes[parent].setdefault("children", [])).append(index)
+        return index
+
+    def copies(self, name, mesh, places):
+        """A node with EXT_mesh_gpu_instancing; places: translation, rotation (x, y, z, w) and scale of each copy. Returns its index."""
+        columns = {}
+        for semantic, member, width in (("TRANSLATION", "translation", 3), ("ROTATION", "rotation", 4), ("SCALE", "scale", 3)):
+            data = b"".join(struct.pack(f"<{width}f", *place[member]) for place in places)
+            columns[semantic] = self._accessor(data, 5126, f"VEC{width}", len(places), None)
+        index = self.node(name, mesh)
+        self.nodes[index]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": columns}}
+        self._use("EXT_mesh_gpu_instancing")
         return index
 
     def lamp(self, name, light, position, direction=(0, 0, -1), extras=None):

@@ -50,12 +50,13 @@ SkyWish read_sky(const SkyChoice& choice) {
 }
 
 Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
-    return KeyBuilder("atlas 1")
+    return KeyBuilder("atlas 2")
         .key(scene.geometry_key)
         .number(o.texels_per_metre)
         .integer(o.page_size)
         .integer(o.padding)
         .integer(static_cast<int>(o.uv_mode))
+        .integer(static_cast<int>(o.instances))
         .integer(o.piece_triangles)
         .finish();
 }

@@ -1,5 +1,6 @@
 #include "baker/bake/write_stage.h"
 
+#include "baker/bake/instance_layouts.h"
 #include "baker/bake/seam_stage.h"
 #include "baker/output/page_layers.h"
 #include "baker/output/sidecar.h"
@@ -25,54 +26,6 @@ class OutputSet {
     bool complete_ = false;
 };
 
-/// Lightmap coordinates of every primitive of every instance, in the shape that the writer wants.
-std::vector<InstanceLayout> primitive_layouts(const BakedGeometry& g) {
-    std::vector<InstanceLayout> layouts(g.record.instances.size());
-    const float scale = 1.0f / static_cast<float>(g.atlas.page_size);
-    for (const Object& object : g.scene.objects) {
-        const InstanceRecord& instance = g.record.instances[object.instance];
-        if (instance.gpu_instance >= 0) continue;
-        const MeshRecord& mesh = g.record.meshes[static_cast<std::size_t>(instance.mesh)];
-        InstanceLayout& layout = layouts[object.instance];
-        layout.resize(mesh.primitives.size());
-        const std::size_t triangles = mesh.primitives[object.primitive].indices.size() / 3;
-        PrimitiveLayout& primitive = layout[object.primitive];
-        primitive.corner_uv.assign(triangles * 3, Vec2f(0, 0));
-        primitive.triangle_page.assign(triangles, no_page);
-        for (std::uint32_t t = object.first_triangle; t < object.first_triangle + object.triangle_count; ++t) {
-            const std::uint32_t source = g.scene.source_triangle[t];
-            primitive.triangle_page[source] = g.atlas.charts[g.atlas.triangle_chart[t]].page;
-            for (int k = 0; k < 3; ++k) {
-                // Mirrored instances had corners 1 and 2 swapped when the scene was built.
-                const int corner = object.mirrored && k > 0 ? 3 - k : k;
-                primitive.corner_uv[std::size_t{3} * source + static_cast<std::size_t>(corner)] =
-                    g.atlas.page_uv(t, k) * scale;
-            }
-        }
-    }
-    // A primitive without any surface (all of it dropped) still needs an entry of its size.
-    for (std::size_t i = 0; i < layouts.size(); ++i) {
-        const auto& primitives = g.record.meshes[static_cast<std::size_t>(g.record.instances[i].mesh)].primitives;
-        for (std::size_t p = 0; p < layouts[i].size(); ++p) {
-            const std::size_t triangles = primitives[p].indices.size() / 3;
-            if (layouts[i][p].triangle_page.size() != triangles) {
-                layouts[i][p].corner_uv.assign(triangles * 3, Vec2f(0, 0));
-                layouts[i][p].triangle_page.assign(triangles, no_page);
-            }
-        }
-    }
-    return layouts;
-}
-
-void warn_of_gpu_instances(const BakedGeometry& g, std::vector<Warning>& warnings) {
-    std::size_t count = 0;
-    for (const InstanceRecord& instance : g.record.instances) count += instance.gpu_instance >= 0;
-    if (count)
-        warnings.push_back({"gpu-instances-without-map", "EXT_mesh_gpu_instancing",
-                            std::to_string(count) + " instances cast and reflect light, but their maps are only in the EXR "
-                                                    "pages: the extension has no place for them"});
-}
-
 class Writer {
   public:
     Writer(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, const JoinedSeams& seams)
@@ -89,8 +42,7 @@ class Writer {
             if (!options_.layers.empty() && light_.state != "preview") write_layers(page, mask);
             if (progress) progress(page + 1, g_.atlas.page_count + 1);
         }
-        lightmaps_.instances = primitive_layouts(g_);
-        warn_of_gpu_instances(g_, report_.warnings);
+        lightmaps_.instances = instance_layouts(g_);
         const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_);
         for (const auto& file : written.files) written_.add(file);
         report_.warnings.insert(report_.warnings.end(), written.warnings.begin(), written.warnings.end());

@@ -60,6 +60,7 @@ struct Object {
     std::uint64_t path_hash = 0;     ///< of node path and primitive: stable when other nodes change
     std::uint64_t content_hash = 0;  ///< of the primitive's own arrays (local positions, normals, UVs, indices)
     ShapeMetric metric{};            ///< of the instance: with content_hash it says which objects show the same shape
+    bool shares_node = false;        ///< a copy by EXT_mesh_gpu_instancing: node and materials are shared with others
     bool mirrored = false;           ///< negative determinant: winding was swapped so that fronts stay fronts
 };
 

@@ -98,6 +98,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
         object.path_hash = path_hash_of(instance.node_path, primitive.gltf_primitive);
         object.content_hash = content[static_cast<std::size_t>(instance.mesh)][size.primitive];
         object.mirrored = size.mirrored;
+        object.shares_node = instance.gpu_instance >= 0;
         object.metric = size.metric;
         scene.objects.push_back(std::move(object));
         scene.object_has_uv1.push_back(!primitive.uv[1].empty());

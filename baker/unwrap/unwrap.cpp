@@ -10,8 +10,9 @@
 #include "baker/core/parallel.h"
 #include "baker/unwrap/fit_page.h"
 #include "baker/unwrap/kept_uv.h"
-#include "baker/unwrap/pack.h"
+#include "baker/unwrap/mesh_copies.h"
 #include "baker/unwrap/pieces.h"
+#include "baker/unwrap/place_charts.h"
 #include "baker/unwrap/planar_charts.h"
 #include "baker/unwrap/xatlas_charts.h"
 
@@ -52,13 +53,24 @@ void check_options(const UnwrapOptions& options) {
     if (options.piece_triangles == 0) fail("pieces of 0 triangles", "give at least 1");
 }
 
-/// Groups objects that show the same mesh; `shape_of` gets the group of each object.
-std::vector<Shape> find_shapes(const Scene& scene, std::vector<std::uint32_t>& shape_of) {
+/// For each object the one whose layout it takes: itself, but for stretched copies.
+std::vector<std::uint32_t> layout_owners(const Scene& scene, const std::vector<CopyGroup>& groups) {
+    std::vector<std::uint32_t> owner(scene.objects.size());
+    std::iota(owner.begin(), owner.end(), 0u);
+    for (const CopyGroup& group : groups)
+        for (const ObjectRun& run : group.instances)
+            for (std::uint32_t k = 0; k < run.count; ++k) owner[run.first + k] = group.instances[0].first + k;
+    return owner;
+}
+
+/// Groups objects that take the same layout; `shape_of` gets the group of each object.
+std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>& groups, std::vector<std::uint32_t>& shape_of) {
     std::vector<Shape> shapes;
     std::map<std::uint64_t, std::vector<std::uint32_t>> by_content;
     shape_of.assign(scene.objects.size(), none);
+    const std::vector<std::uint32_t> owner = layout_owners(scene, groups);
     for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].triangle_count == 0) continue;
+        if (owner[o] != o || scene.objects[o].triangle_count == 0) continue;
         auto& candidates = by_content[scene.objects[o].content_hash];
         for (const std::uint32_t s : candidates)
             if (same_shape(scene, scene.objects[shapes[s].object], scene.objects[o])) {
@@ -70,7 +82,10 @@ std::vector<Shape> find_shapes(const Scene& scene, std::vector<std::uint32_t>& s
             candidates.push_back(shape_of[o]);
             shapes.emplace_back().object = o;
         }
-        ++shapes[shape_of[o]].object_count;
+    }
+    for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
+        shape_of[o] = shape_of[owner[o]];
+        if (shape_of[o] != none) ++shapes[shape_of[o]].object_count;
     }
     return shapes;
 }
@@ -212,8 +227,11 @@ Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warni
         options.texels_per_metre > 0 ? options.texels_per_metre : automatic_density(area, options.page_size));
     atlas.page_size = options.page_size;
     atlas.padding = options.padding;
+    const double page_side_m = (options.page_size - 2.0 * options.padding) / static_cast<double>(atlas.texels_per_metre);
+    const std::vector<CopyGroup> groups =
+        options.instances == InstanceMode::share ? find_copies(scene, page_side_m * page_side_m) : std::vector<CopyGroup>();
     std::vector<std::uint32_t> shape_of;
-    std::vector<Shape> shapes = find_shapes(scene, shape_of);
+    std::vector<Shape> shapes = find_shapes(scene, groups, shape_of);
     unwrap_shapes(scene, options, atlas.texels_per_metre, shapes, progress);
     report(scene, shapes, options.piece_time_limit_s, warnings);
     atlas.chart_triangles.reserve(scene.triangle_count());
@@ -224,7 +242,7 @@ Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warni
     const auto lost = std::count(atlas.triangle_chart.begin(), atlas.triangle_chart.end(), none);
     if (lost || atlas.chart_triangles.size() != scene.triangle_count())
         throw Error(ErrorCode::internal, "unwrap", fmt::format("{} triangles have no chart", lost));
-    atlas.page_count = pack_charts(atlas.charts, atlas.page_size, atlas.padding);
+    place_charts(scene, groups, atlas, warnings);
     return atlas;
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "formats/gltf/gltf_json.h"
+#include "formats/gltf/gltf_out_copies.h"
 #include "formats/gltf/gltf_out_files.h"
 #include "formats/gltf/gltf_out_mesh.h"
 #include "formats/gltf/gltf_out_prune.h"
@@ -34,12 +35,11 @@ void check_layouts(const SceneRecord& record, const GltfLightmaps& lightmaps) {
     for (std::size_t index = 0; index < record.instances.size(); ++index) {
         const InstanceRecord& instance = record.instances[index];
         const InstanceLayout& layout = lightmaps.instances[index];
-        if (layout.empty()) continue;
-        if (instance.gpu_instance >= 0) throw refuse(instance.node_path, "a copy that shares its node has a layout");
+        if (!layout.mesh) continue;
         const std::size_t expected = record.meshes[static_cast<std::size_t>(instance.mesh)].primitives.size();
-        if (layout.size() != expected)
+        if (layout.mesh->size() != expected)
             throw refuse(instance.node_path, "expected " + std::to_string(expected) + " primitive layouts, found " +
-                                                 std::to_string(layout.size()));
+                                                 std::to_string(layout.mesh->size()));
     }
 }
 
@@ -56,33 +56,54 @@ void warn_of_extensions(OutputModel& model, const json& mesh, std::int64_t index
     }
 }
 
+/// The instances of one node: one, or its copies by EXT_mesh_gpu_instancing.
+using NodeInstances = std::map<int, std::vector<std::size_t>>;
+
+/// Instances by mesh, so that each is read once however many nodes show it, and by node. Nodes without any layout are left out.
+std::map<std::int64_t, NodeInstances> instances_by_mesh(const SceneRecord& record, const GltfLightmaps& lightmaps) {
+    std::map<int, bool> has_layout;
+    for (std::size_t index = 0; index < record.instances.size(); ++index)
+        if (lightmaps.instances[index].mesh) has_layout[record.instances[index].node] = true;
+    std::map<std::int64_t, NodeInstances> by_mesh;
+    for (std::size_t index = 0; index < record.instances.size(); ++index) {
+        const InstanceRecord& instance = record.instances[index];
+        if (has_layout.contains(instance.node)) by_mesh[instance.mesh][instance.node].push_back(index);
+    }
+    return by_mesh;
+}
+
 /// Gives every node with a layout its mesh; returns what the replaced meshes referred to.
 ArrayReferences rewrite_meshes(OutputModel& model, const SceneRecord& record, const GltfLightmaps& lightmaps,
                                LightmapMaterials& materials) {
-    // By mesh, so that each is read once however many nodes show it.
-    std::map<std::int64_t, std::vector<std::size_t>> instances_of;
-    for (std::size_t index = 0; index < record.instances.size(); ++index)
-        if (!lightmaps.instances[index].empty()) instances_of[record.instances[index].mesh].push_back(index);
     std::map<std::int64_t, std::size_t> users = count_users(model.document);
-
     ArrayReferences replaced;
     MeshRewriter rewriter(model, materials, lightmaps.pages.size());
-    for (const auto& [mesh, instances] : instances_of) {
+    for (const auto& [mesh, nodes] : instances_by_mesh(record, lightmaps)) {
         const json& item = gltf_item(model.document.json, "meshes", mesh, model.document.name);
         const std::vector<SourcePrimitive> sources =
             rewriter.read_mesh(mesh, record.meshes[static_cast<std::size_t>(mesh)]);
         warn_of_extensions(model, item, mesh);
-        // The first copy takes the mesh's own number, unless somebody still shows the mesh as it was.
-        bool number_is_free = users[mesh] == instances.size();
+        bool number_is_free = users[mesh] == nodes.size();
+        for (const auto& [node, instances] : nodes)
+            for (const std::size_t index : instances) number_is_free = number_is_free && lightmaps.instances[index].mesh != nullptr;
         if (number_is_free) collect_references(item, replaced);
-        for (const std::size_t index : instances) {
-            json copy = rewriter.rewrite(mesh, sources, lightmaps.instances[index]);
-            const auto node = static_cast<std::size_t>(record.instances[index].node);
-            if (number_is_free)
-                model.root["meshes"][static_cast<std::size_t>(mesh)] = std::move(copy);
-            else
-                model.root["nodes"][node]["mesh"] = model.append("meshes", std::move(copy));
+        // The first new mesh takes the mesh's own number, unless somebody still shows the mesh as it was.
+        std::map<const MeshLayout*, LaidOutMesh> laid_out;
+        const MeshMaker make_mesh = [&, mesh = mesh](const MeshLayout& layout, const LayoutPlace& place) {
+            const auto known = laid_out.find(&layout);
+            json copy = rewriter.at_place(known != laid_out.end() ? known->second : laid_out.emplace(&layout, rewriter.lay_out(mesh, sources, layout)).first->second, place);
+            if (!number_is_free) return model.append("meshes", std::move(copy));
             number_is_free = false;
+            model.root["meshes"][static_cast<std::size_t>(mesh)] = std::move(copy);
+            return static_cast<std::uint64_t>(mesh);
+        };
+        for (const auto& [node, instances] : nodes) {
+            if (record.instances[instances[0]].gpu_instance >= 0) {
+                place_copies(model, rewriter.arrays(), node, copies_of(record, lightmaps, instances), make_mesh);
+                continue;
+            }
+            const InstanceLayout& layout = lightmaps.instances[instances[0]];
+            model.root["nodes"][static_cast<std::size_t>(node)]["mesh"] = make_mesh(*layout.mesh, layout.place);
         }
     }
     return replaced;

@@ -3,13 +3,18 @@
 /// Kept     everything: nodes, names, cameras, animations, skins, extras, unknown extensions and JSON members, textures
 ///          and the bytes of their pictures, all attributes (also custom ones, joints, weights, morph targets) in their
 ///          component types, unused materials. Points, lines, and meshes without a layout stay as they are.
-/// Added    TEXCOORD_1 with the lightmap layout; per (material, page) a clone of the material with MOZ_lightmap
+/// Added    TEXCOORD_1 with the lightmap layout; per (material, page, place) a clone of the material with MOZ_lightmap
 ///          { index, texCoord: 1, intensity, extras: { quantity, unit, encoding } }; a texture and a picture per page;
 ///          asset.extras.luxel { version }. "MOZ_lightmap" goes to extensionsUsed, never to extensionsRequired.
+/// Copies   Instances with one layout at different places share all arrays: coordinates are those of the layout, and the place
+///          is a KHR_texture_transform { offset, scale } of the clone's MOZ_lightmap. Copies by EXT_mesh_gpu_instancing share
+///          the material too: their places are its attributes _LIGHTMAP_OFFSET and _LIGHTMAP_SCALE (VEC2, float), the names
+///          of MX_lightmap. Where such copies lie on several pages the node keeps those of one, children of it show the others.
+///          If one of them has no place of its own (the identity), all copies of the node become child nodes without the extension.
 /// Changed  Vertices are split where charts are cut: one per distinct (old vertex, lightmap coordinate). A primitive on
 ///          several pages becomes one primitive per page. Strips and fans become triangles. A mesh
-///          that several nodes show is copied per node, since every node has its own light; equal arrays are stored
-///          once. A TEXCOORD_1 of the input moves to the next free set (materials that use it follow), except where
+///          that several nodes show becomes one per node, since every node has materials of its own; equal arrays are
+///          stored once. A TEXCOORD_1 of the input moves to the next free set (materials that use it follow), except where
 ///          only an earlier MOZ_lightmap used it; a missing TEXCOORD_0 is added, as sets must not have gaps. Meshopt
 ///          and Draco data is written decoded; quantized attributes stay quantized. Pictures outside a GLB are
 ///          embedded. Arrays that only replaced primitives used are removed, unless an extension that is unknown here
@@ -20,6 +25,7 @@
 /// Source   glTF 2.0; MOZ_lightmap (draft by T. Takahiro, as the Hubs exporter and importer use it).
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,12 +39,23 @@ namespace luxel {
 constexpr std::uint32_t no_page = 0xffffffffu;
 
 struct PrimitiveLayout {
-    std::vector<Imath::V2f> corner_uv;         ///< 3 per triangle of the PrimitiveRecord: 0..1 of its page, v down
+    std::vector<Imath::V2f> corner_uv;         ///< 3 per triangle of the PrimitiveRecord: 0..1 of the layout (LayoutPlace), v down
     std::vector<std::uint32_t> triangle_page;  ///< per triangle: index into GltfLightmaps::pages, or no_page
 };
 
-/// As MeshRecord::primitives of the instance's mesh, one by one; empty: this node gets no lightmap.
-using InstanceLayout = std::vector<PrimitiveLayout>;
+/// Where a layout lies: place on the page = coordinate of the layout * scale + offset.
+struct LayoutPlace {
+    Imath::V2f scale{1, 1}, offset{0, 0};
+    [[nodiscard]] bool is_identity() const { return scale == Imath::V2f(1, 1) && offset == Imath::V2f(0, 0); }
+};
+
+/// As MeshRecord::primitives of a mesh.
+using MeshLayout = std::vector<PrimitiveLayout>;
+
+struct InstanceLayout {
+    std::shared_ptr<const MeshLayout> mesh;  ///< one for all copies that share it; nullptr: the instance gets no lightmap
+    LayoutPlace place;
+};
 
 struct LightmapPicture {
     std::string name;      ///< of texture and picture, "lightmap0.srgb8"
@@ -48,7 +65,7 @@ struct LightmapPicture {
 
 struct GltfLightmaps {
     std::vector<LightmapPicture> pages;
-    std::vector<InstanceLayout> instances;  ///< as SceneRecord::instances; those with gpu_instance >= 0 stay empty
+    std::vector<InstanceLayout> instances;  ///< as SceneRecord::instances; those with gpu_instance >= 0 and a place lie on one page each
     std::string quantity = "irradiance", unit = "lux", encoding = "srgb8";
     std::string version;  ///< of luxel
 };

@@ -66,8 +66,8 @@ const json& LightmapMaterials::source(std::int64_t material) const {
     return (*materials)[static_cast<std::size_t>(material)];
 }
 
-std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page, std::uint64_t moved_uv_set) {
-    const auto key = std::tuple{material, page, moved_uv_set};
+std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set) {
+    const CloneKey key{material, page, {place.scale.x, place.scale.y, place.offset.x, place.offset.y}, moved_uv_set};
     if (const auto known = clones_.find(key); known != clones_.end()) return known->second;
     json copy = source(material);
     if (moved_uv_set) change_uv_set(copy, 1, moved_uv_set);
@@ -76,6 +76,11 @@ std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page
         {"texCoord", 1},
         {"intensity", lightmaps_.pages[page].intensity},
         {"extras", {{"quantity", lightmaps_.quantity}, {"unit", lightmaps_.unit}, {"encoding", lightmaps_.encoding}}}};
+    if (!place.is_identity()) {
+        copy["extensions"][lightmap_extension]["extensions"]["KHR_texture_transform"] = {
+            {"offset", {place.offset.x, place.offset.y}}, {"scale", {place.scale.x, place.scale.y}}};
+        use_extension(model_.root, "KHR_texture_transform");
+    }
     const std::uint64_t index = model_.append("materials", std::move(copy));
     clones_.emplace(key, index);
     use_extension(model_.root, lightmap_extension);

@@ -1,5 +1,6 @@
 /// Clones of materials that carry a lightmap. Private to the gltf_out files.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -25,9 +26,9 @@ class LightmapMaterials {
     /// Adds a texture for each page; `images` are the indices of the pages' pictures.
     LightmapMaterials(OutputModel& model, const GltfLightmaps& lightmaps, const std::vector<std::uint64_t>& images);
 
-    /// The clone of `material` (-1: the default material) for a page. `moved_uv_set`: where the input's TEXCOORD_1
+    /// The clone of `material` (-1: the default material) for a place on a page. `moved_uv_set`: where the input's TEXCOORD_1
     /// went, 0 if it did not. The same arguments give the same clone.
-    std::uint64_t clone(std::int64_t material, std::uint32_t page, std::uint64_t moved_uv_set);
+    std::uint64_t clone(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set);
 
     /// The material of the input.
     [[nodiscard]] const nlohmann::json& source(std::int64_t material) const;
@@ -36,7 +37,8 @@ class LightmapMaterials {
     OutputModel& model_;
     const GltfLightmaps& lightmaps_;
     std::vector<std::uint64_t> textures_;  ///< per page
-    std::map<std::tuple<std::int64_t, std::uint32_t, std::uint64_t>, std::uint64_t> clones_;
+    using CloneKey = std::tuple<std::int64_t, std::uint32_t, std::array<float, 4>, std::uint64_t>;
+    std::map<CloneKey, std::uint64_t> clones_;
 };
 
 }  // namespace luxel

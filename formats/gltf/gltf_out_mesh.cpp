@@ -75,31 +75,42 @@ std::vector<SourcePrimitive> MeshRewriter::read_mesh(std::int64_t mesh, const Me
     return sources;
 }
 
-json MeshRewriter::rewrite(std::int64_t mesh, const std::vector<SourcePrimitive>& sources,
-                           const InstanceLayout& layout) {
-    const json& item = mesh_item(model_.document, mesh);
-    json copy = item;
-    json primitives = json::array();
+LaidOutMesh MeshRewriter::lay_out(std::int64_t mesh, const std::vector<SourcePrimitive>& sources, const MeshLayout& layout) {
+    LaidOutMesh result{mesh, mesh_item(model_.document, mesh), {}};
+    const json old_primitives = json_array(result.mesh, "primitives", model_.document.name);
+    json& primitives = result.mesh["primitives"] = json::array();
     std::size_t next = 0;
-    const json& old_primitives = json_array(item, "primitives", model_.document.name);
     for (std::size_t p = 0; p < old_primitives.size(); ++p) {
+        std::vector<PagePart> parts;
         if (next < sources.size() && sources[next].primitive == static_cast<std::int64_t>(p)) {
-            append_parts(old_primitives[p], sources[next], layout[next], primitives);
+            const SourcePrimitive& source = sources[next];
+            parts = split_by_layout(source.triangles, source.arrays.vertex_count, layout[next], page_count_, source.where);
             ++next;
-        } else {
-            primitives.push_back(old_primitives[p]);
+            const std::uint64_t moved_set = parts.empty() ? 0 : choose_moved_set(old_primitives[p]);
+            for (const PagePart& part : parts) {
+                result.parts.push_back({primitives.size(), static_cast<std::int64_t>(p), part.page, moved_set});
+                primitives.push_back(make_part(old_primitives[p], source, part, moved_set));
+            }
         }
+        if (parts.empty()) primitives.push_back(old_primitives[p]);
     }
-    copy["primitives"] = std::move(primitives);
-    return copy;
+    return result;
 }
 
-void MeshRewriter::append_parts(const json& item, const SourcePrimitive& source, const PrimitiveLayout& layout,
-                                json& out) {
-    const std::vector<PagePart> parts =
-        split_by_layout(source.triangles, source.arrays.vertex_count, layout, page_count_, source.where);
-    if (parts.empty()) out.push_back(item);
-    for (const PagePart& part : parts) out.push_back(make_part(item, source, part));
+json MeshRewriter::at_place(const LaidOutMesh& laid_out, const LayoutPlace& place) {
+    const std::size_t material_count = gltf_count(model_.document.json, "materials");
+    json mesh = laid_out.mesh;
+    for (const LaidOutMesh::Part& part : laid_out.parts) {
+        const std::string where = primitive_name(model_.document, laid_out.source, part.source);
+        json& primitive = mesh["primitives"][part.primitive];
+        const auto clone = [&](const json& owner) {
+            return materials_.clone(json_index(owner, "material", material_count, where), part.page, place, part.moved_uv_set);
+        };
+        primitive["material"] = clone(primitive);
+        if (json_extension(primitive, variants_extension, where))
+            for (json& mapping : primitive["extensions"][variants_extension]["mappings"]) mapping["material"] = clone(mapping);
+    }
+    return mesh;
 }
 
 /// Where TEXCOORD_1 of the input goes: the next free set; 0 if there is none, or if only an older lightmap used it.
@@ -147,8 +158,7 @@ void MeshRewriter::add_lightmap_uv(const json& item, const std::string& where, c
                                                    ArrayUse::vertices, nullptr, false);
 }
 
-json MeshRewriter::make_part(const json& item, const SourcePrimitive& source, const PagePart& part) {
-    const std::uint64_t moved_set = choose_moved_set(item);
+json MeshRewriter::make_part(const json& item, const SourcePrimitive& source, const PagePart& part, std::uint64_t moved_set) {
     json primitive = item;
     erase_extension(primitive, draco_extension);
     if (moved_set && primitive.contains("extensions")) change_uv_set(primitive["extensions"], 1, moved_set);
@@ -161,14 +171,6 @@ json MeshRewriter::make_part(const json& item, const SourcePrimitive& source, co
     for (std::size_t target = 0; target < source.targets.size(); ++target)
         primitive["targets"][target] =
             gather_attributes(item["targets"][target], source.targets[target], part, moved_set);
-
-    const std::size_t material_count = gltf_count(model_.document.json, "materials");
-    primitive["material"] =
-        materials_.clone(json_index(item, "material", material_count, source.where), part.page, moved_set);
-    if (json_extension(primitive, variants_extension, source.where))
-        for (json& mapping : primitive["extensions"][variants_extension]["mappings"])
-            mapping["material"] =
-                materials_.clone(json_index(mapping, "material", material_count, source.where), part.page, moved_set);
     return primitive;
 }
 

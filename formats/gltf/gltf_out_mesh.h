@@ -23,6 +23,20 @@ struct SourcePrimitive {
     std::vector<std::map<std::string, AccessorBytes>> targets;  ///< morph targets by semantic
 };
 
+/// A mesh with a layout, still without materials for a place.
+struct LaidOutMesh {
+    /// A primitive that a part of the layout became, and what its materials are made of.
+    struct Part {
+        std::size_t primitive = 0;  ///< in `mesh`
+        std::int64_t source = 0;    ///< primitive of the input's mesh
+        std::uint32_t page = 0;
+        std::uint64_t moved_uv_set = 0;
+    };
+    std::int64_t source = 0;  ///< mesh of the input
+    nlohmann::json mesh;
+    std::vector<Part> parts;
+};
+
 class MeshRewriter {
   public:
     MeshRewriter(OutputModel& model, LightmapMaterials& materials, std::size_t page_count)
@@ -31,14 +45,16 @@ class MeshRewriter {
     /// Reads the primitives of a mesh that `record` has triangles of, in its order.
     std::vector<SourcePrimitive> read_mesh(std::int64_t mesh, const MeshRecord& record) const;
 
-    /// The mesh with the layout of one node. Primitives without a layout, or without any placed triangle, stay.
-    nlohmann::json rewrite(std::int64_t mesh, const std::vector<SourcePrimitive>& sources,
-                           const InstanceLayout& layout);
+    /// Adds the mesh's arrays with a layout. Primitives without any placed triangle stay as they are.
+    LaidOutMesh lay_out(std::int64_t mesh, const std::vector<SourcePrimitive>& sources, const MeshLayout& layout);
+    /// The mesh with its materials for one place of the layout.
+    nlohmann::json at_place(const LaidOutMesh& laid_out, const LayoutPlace& place);
+
+    /// Where all arrays of this model go.
+    ArrayStore& arrays() { return arrays_; }
 
   private:
-    void append_parts(const nlohmann::json& item, const SourcePrimitive& source, const PrimitiveLayout& layout,
-                      nlohmann::json& out);
-    nlohmann::json make_part(const nlohmann::json& item, const SourcePrimitive& source, const PagePart& part);
+    nlohmann::json make_part(const nlohmann::json& item, const SourcePrimitive& source, const PagePart& part, std::uint64_t moved_set);
     std::uint64_t choose_moved_set(const nlohmann::json& item) const;
     void add_lightmap_uv(const nlohmann::json& item, const std::string& where, const PagePart& part,
                          nlohmann::json& attributes);

@@ -18,7 +18,7 @@ import numpy as np
 
 COMPONENT = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-COMPRESSED = ("EXT_meshopt_compression", "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing")
+COMPRESSED = ("EXT_meshopt_compression", "KHR_draco_mesh_compression")
 
 
 class Document:
@@ -188,8 +188,21 @@ class Scene:
             if lamp is not None:
                 self._lamp(document.json["extensions"]["KHR_lights_punctual"]["lights"][lamp["light"]], world, node.get("extras", {}))
             if "mesh" in node:
-                for number, primitive in enumerate(document.json["meshes"][node["mesh"]]["primitives"]):
-                    self._primitive(primitive, world, f"{node.get('name', index)}/{number}")
+                for copy, place in self._copies(node):
+                    for number, primitive in enumerate(document.json["meshes"][node["mesh"]]["primitives"]):
+                        self._primitive(primitive, world @ copy, place, f"{node.get('name', index)}/{number}")
+
+    def _copies(self, node):
+        """Matrices of EXT_mesh_gpu_instancing, with the scale and offset of each copy's second UV set; one without the extension."""
+        columns = node.get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes")
+        if columns is None:
+            yield np.eye(4), None
+            return
+        values = {k: self.document.numbers(v) for k, v in columns.items()}
+        names = {"TRANSLATION": "translation", "ROTATION": "rotation", "SCALE": "scale"}
+        for k in range(min(len(v) for v in values.values())):
+            place = (values["_LIGHTMAP_SCALE"][k], values["_LIGHTMAP_OFFSET"][k]) if "_LIGHTMAP_SCALE" in values else None
+            yield node_matrix({names[n]: v[k] for n, v in values.items() if n in names}), place
 
     def _lamp(self, light, world, extras):
         sizes = {**self.sizes, **light.get("extras", {}), **extras}
@@ -202,7 +215,7 @@ class Scene:
             "range": light.get("range", 0.0), "cos_inner": np.cos(spot.get("innerConeAngle", 0.0)),
             "cos_outer": np.cos(spot.get("outerConeAngle", np.pi / 4))})
 
-    def _primitive(self, primitive, world, name):
+    def _primitive(self, primitive, world, place, name):
         attributes, document = primitive["attributes"], self.document
         if "POSITION" not in attributes:
             return
@@ -219,6 +232,8 @@ class Scene:
             # inverse transposed, applied to rows; pinv stays defined for flattened instances
             normals = (document.numbers(attributes["NORMAL"]) @ np.linalg.pinv(world[:3, :3]))[rows]
         uv = {int(k[9:]): document.numbers(v)[rows] for k, v in attributes.items() if k.startswith("TEXCOORD_")}
+        if place is not None and 1 in uv:
+            uv[1] = uv[1] * place[0] + place[1]
         self.objects.append(name)
         self.parts.append((points[rows], normals, uv, primitive.get("material", len(self.materials) - 1), len(self.objects) - 1))
 

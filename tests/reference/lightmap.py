@@ -9,6 +9,8 @@ import urllib.parse
 
 import numpy as np
 
+from gltf_scene import texture_use
+
 LATTICE = (0.7548776662466927, 0.5698402909980532)   # 1/p, 1/p^2 of the plastic number p: M. Roberts, the R2 sequence
 
 
@@ -50,7 +52,9 @@ class Lightmaps:
             page = self._load(material["lightmap"])
             height, width = self.pages[page].shape[:2]
             self.page[own] = page
-            self.uv[own] = scene.uv[material["lightmap"].get("texCoord", 1)][own] * (width, height)
+            use = texture_use(material["lightmap"])
+            corners = scene.uv[material["lightmap"].get("texCoord", 1)][own]
+            self.uv[own] = (corners @ use["matrix"][:, :2].T + use["matrix"][:, 2]) * (width, height)
 
     def _load(self, use):
         texture = self.scene.document.json["textures"][use["index"]]

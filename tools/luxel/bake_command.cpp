@@ -37,7 +37,7 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share";
     std::string sky, sky_color;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
@@ -132,6 +132,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.unwrap.page_size = a.atlas_size;
     o.unwrap.padding = a.padding;
     o.unwrap.uv_mode = a.uv == "keep" ? UvMode::keep : UvMode::unwrap;
+    o.unwrap.instances = a.instances == "split" ? InstanceMode::split : InstanceMode::share;
     o.patch_texels = a.patch_texels;
     o.chunk_patches = a.chunk_patches;
     o.chunks = a.chunks == "tiles" ? ChunkKind::tiles : ChunkKind::rooms;
@@ -181,6 +182,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"atlas-size", std::to_string(o.unwrap.page_size)},
             {"padding", std::to_string(o.unwrap.padding)},
             {"uv", a.uv},
+            {"instances", a.instances},
             {"scene", a.scene.empty() ? "default" : a.scene},
             {"allow-outside", a.allow_outside ? "on" : "off"},
             {"skip-skinned", a.skip_skinned ? "on" : "off"},
@@ -322,6 +324,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::Range(0u, 64u))->capture_default_str()->group("Lightmap");
     command.add_option("--uv", a.uv, "new charts, or keep the file's second UV set where it is fit")
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--instances", a.instances, "of one mesh: keep one copy of its geometry, each in its own place by KHR_texture_transform, or split them")
+        ->check(CLI::IsMember({"share", "split"}))->capture_default_str()->group("Lightmap");
     command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
         ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")

@@ -35,7 +35,7 @@ TEST_F(GltfOut, PicturesOutsideAreTakenAlong) {
 
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = lightmaps(record);
-    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    maps.instances[0] = laid_out({welded(record.meshes[0].primitives[0])});
     std::filesystem::create_directories(folder / "text");
     written = write_gltf(folder / "text" / "out.gltf", document, record, maps);
     EXPECT_EQ(written.files.size(), 4u) << "model, lightmap, picture, .bin";
@@ -57,7 +57,7 @@ TEST_F(GltfOut, FilesOfTheInputSurvive) {
     const GltfDocument document = model.parse(folder);
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = lightmaps(record);
-    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    maps.instances[0] = laid_out({welded(record.meshes[0].primitives[0])});
     write_gltf(folder / "out.gltf", document, record, maps);
     EXPECT_EQ(read_file(folder / "out.bin"), Bytes(48, 7));
     EXPECT_EQ(load_gltf(folder / "out.gltf").json["buffers"][0]["uri"], "out.baked.bin");
@@ -91,7 +91,7 @@ TEST_F(GltfOut, FailuresLeaveNothingBehind) {
     const GltfDocument document = model.parse();
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = lightmaps(record);
-    maps.instances[0] = {welded(record.meshes[0].primitives[0])};
+    maps.instances[0] = laid_out({welded(record.meshes[0].primitives[0])});
     std::filesystem::create_directories(folder / "taken.glb");
     std::filesystem::create_directories(folder / "full.bin");
     const auto write = [&](const char* name) {
@@ -115,9 +115,11 @@ TEST_F(GltfOut, FailuresLeaveNothingBehind) {
     EXPECT_EQ(text, ErrorCode::cannot_write);
     EXPECT_EQ(file_count(), 0u);
 
-    maps.instances[0][0].triangle_page.pop_back();
+    MeshLayout shorter = *maps.instances[0].mesh;
+    shorter[0].triangle_page.pop_back();
+    maps.instances[0] = laid_out(std::move(shorter));
     EXPECT_EQ(write("out.glb"), ErrorCode::internal);
-    maps.instances[0].clear();
+    maps.instances[0].mesh.reset();
     EXPECT_NO_THROW(write_gltf(folder / "out.glb", document, record, maps)) << "no layout: the node stays as it is";
     EXPECT_EQ(file_count(), 1u);
 }

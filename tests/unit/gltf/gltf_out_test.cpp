@@ -106,9 +106,9 @@ TEST_F(GltfOut, OnePrimitivePerPageAndNoSurfaceIsLost) {
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = lightmaps(record, 2);
     const auto& primitives = record.meshes[0].primitives;
-    maps.instances[0] = {scattered(primitives[0], [](std::size_t t) { return t == 0 ? 1u : 0u; }),
+    maps.instances[0] = laid_out({scattered(primitives[0], [](std::size_t t) { return t == 0 ? 1u : 0u; }),
                          scattered(primitives[1], [](std::size_t t) { return t == 0 ? no_page : 1u; }),
-                         scattered(primitives[2], [](std::size_t) { return no_page; })};
+                         scattered(primitives[2], [](std::size_t) { return no_page; })});
     const GltfDocument out = write_and_load(document, record, maps);
     const json& parts = out.json["meshes"][0]["primitives"];
     ASSERT_EQ(parts.size(), 4u);
@@ -142,7 +142,7 @@ TEST_F(GltfOut, SharedMeshIsCopiedPerNodeAndEqualArraysAreStoredOnce) {
     GltfLightmaps maps = lightmaps(record);
     ASSERT_EQ(record.instances.size(), 2u);
     const PrimitiveRecord& primitive = record.meshes[0].primitives[0];
-    maps.instances = {{welded(primitive)}, {welded(primitive, 0.5f)}};
+    maps.instances = {laid_out({welded(primitive)}), laid_out({welded(primitive, 0.5f)})};
     const GltfDocument out = write_and_load(document, record, maps);
     ASSERT_EQ(out.json["meshes"].size(), 3u);
     for (const json& mesh : out.json["meshes"]) EXPECT_EQ(mesh["name"], "chair");
@@ -154,6 +154,93 @@ TEST_F(GltfOut, SharedMeshIsCopiedPerNodeAndEqualArraysAreStoredOnce) {
     EXPECT_EQ(a["indices"], b["indices"]);
     EXPECT_EQ(a["material"], b["material"]);
     EXPECT_NE(a["attributes"]["TEXCOORD_1"], b["attributes"]["TEXCOORD_1"]);
+}
+
+TEST_F(GltfOut, CopiesOfOneLayoutShareAllArrays) {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    model.root["meshes"] = json::array({{{"name", "chair"}, {"primitives", json::array({model.quad()})}}});
+    model.show(0, "a");
+    model.show(0, "b");
+    const GltfDocument document = model.parse();
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    maps.instances[0] = laid_out({welded(record.meshes[0].primitives[0])}, {{0.25f, 0.5f}, {0.125f, 0}});
+    maps.instances[1] = {maps.instances[0].mesh, {{0.25f, 0.5f}, {0.5f, 0.25f}}};
+    const GltfDocument out = write_and_load(document, record, maps);
+    const json& a = out.json["meshes"][out.json["nodes"][0]["mesh"].get<std::size_t>()]["primitives"][0];
+    const json& b = out.json["meshes"][out.json["nodes"][1]["mesh"].get<std::size_t>()]["primitives"][0];
+    EXPECT_EQ(a["attributes"], b["attributes"]);
+    EXPECT_EQ(a["indices"], b["indices"]);
+    const auto place_of = [&](const json& primitive) {
+        return out.json["materials"][primitive["material"].get<std::size_t>()]["extensions"]["MOZ_lightmap"]["extensions"]["KHR_texture_transform"];
+    };
+    EXPECT_EQ(place_of(a), (json{{"offset", {0.125, 0.0}}, {"scale", {0.25, 0.5}}}));
+    EXPECT_EQ(place_of(b), (json{{"offset", {0.5, 0.25}}, {"scale", {0.25, 0.5}}}));
+    EXPECT_EQ(out.json["extensionsUsed"], (json{"KHR_texture_transform", "MOZ_lightmap"}));
+}
+
+/// A node with copies at x = 0, 1, 2 and a custom attribute.
+GltfDocument copied_quad() {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    model.root["meshes"] = json::array({{{"name", "tree"}, {"primitives", json::array({model.quad()})}}});
+    model.show(0, "wood");
+    const std::uint64_t places = model.floats("VEC3", 3, {0, 0, 0, 1, 0, 0, 2, 0, 0});
+    const std::uint64_t kinds = model.floats("SCALAR", 1, {7, 8, 9});
+    model.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", places}, {"_KIND", kinds}};
+    model.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+    return model.parse();
+}
+
+std::vector<float> instance_attribute(const GltfDocument& document, std::size_t node, const char* name) {
+    const json& attributes = document.json["nodes"][node]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    return to_floats(read_elements(document, attributes[name].get<std::int64_t>(), name));
+}
+
+TEST_F(GltfOut, CopiesOfANodeHaveTheirPlacesInAttributes) {
+    const GltfDocument document = copied_quad();
+    const SceneRecord record = read_scene(document);
+    ASSERT_EQ(record.instances.size(), 3u);
+    GltfLightmaps maps = lightmaps(record, 2);
+    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
+    second.triangle_page.assign(second.triangle_page.size(), 1);
+    maps.instances[0] = laid_out({first}, {{0.5f, 0.5f}, {0, 0}});
+    maps.instances[1] = laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}});
+    maps.instances[2] = {maps.instances[0].mesh, {{0.5f, 0.5f}, {0, 0.5f}}};
+    const GltfDocument out = write_and_load(document, record, maps);
+    ASSERT_EQ(out.json["nodes"].size(), 2u);
+    EXPECT_EQ(out.json["nodes"][0]["children"], json{1});
+    EXPECT_EQ(instance_attribute(out, 0, "TRANSLATION"), (std::vector<float>{0, 0, 0, 2, 0, 0}));
+    EXPECT_EQ(instance_attribute(out, 0, "_KIND"), (std::vector<float>{7, 9}));
+    EXPECT_EQ(instance_attribute(out, 0, "_LIGHTMAP_OFFSET"), (std::vector<float>{0, 0, 0, 0.5f}));
+    EXPECT_EQ(instance_attribute(out, 0, "_LIGHTMAP_SCALE"), (std::vector<float>{0.5f, 0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(instance_attribute(out, 1, "TRANSLATION"), (std::vector<float>{1, 0, 0}));
+    EXPECT_EQ(instance_attribute(out, 1, "_LIGHTMAP_OFFSET"), (std::vector<float>{0.25f, 0}));
+    const auto page_of = [&](std::size_t node) {
+        const json& mesh = out.json["meshes"][out.json["nodes"][node]["mesh"].get<std::size_t>()];
+        const json& map = out.json["materials"][mesh["primitives"][0]["material"].get<std::size_t>()]["extensions"]["MOZ_lightmap"];
+        EXPECT_FALSE(map.contains("extensions")) << "the places are attributes";
+        return map["index"];
+    };
+    EXPECT_NE(page_of(0), page_of(1));
+}
+
+TEST_F(GltfOut, CopiesWithoutPlacesBecomeNodes) {
+    const GltfDocument document = copied_quad();
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record);
+    const PrimitiveRecord& primitive = record.meshes[0].primitives[0];
+    for (std::size_t k = 0; k < 3; ++k) maps.instances[k] = laid_out({welded(primitive, 0.25f * static_cast<float>(k))});
+    const GltfDocument out = write_and_load(document, record, maps);
+    ASSERT_EQ(out.json["nodes"].size(), 4u);
+    EXPECT_EQ(out.json["nodes"][0]["children"], (json{1, 2, 3}));
+    EXPECT_FALSE(out.json["nodes"][0].contains("mesh"));
+    EXPECT_EQ(out.json["nodes"][3]["translation"], (json{2.0, 0.0, 0.0}));
+    EXPECT_EQ(out.json["extensionsUsed"], json{"MOZ_lightmap"});
+    ASSERT_EQ(written.warnings.size(), 1u);
+    EXPECT_EQ(written.warnings[0].code, "instance-attribute-lost");
+    EXPECT_EQ(read_scene(out).instances.size(), 3u);
 }
 
 TEST_F(GltfOut, EveryAttributeKeepsItsTypeAndValues) {

@@ -110,6 +110,10 @@ inline PrimitiveLayout welded(const PrimitiveRecord& primitive, float shift = 0)
     return layout;
 }
 
+inline InstanceLayout laid_out(MeshLayout layout, const LayoutPlace& place = {}) {
+    return {std::make_shared<const MeshLayout>(std::move(layout)), place};
+}
+
 inline GltfLightmaps lightmaps(const SceneRecord& record, std::size_t pages = 1) {
     GltfLightmaps maps;
     for (std::size_t page = 0; page < pages; ++page)
@@ -143,10 +147,12 @@ class GltfOut : public testing::Test {
     GltfDocument bake(const GltfDocument& document, const Layout& layout, std::size_t pages = 1) {
         const SceneRecord record = read_scene(document);
         GltfLightmaps maps = lightmaps(record, pages);
-        for (std::size_t k = 0; k < record.instances.size(); ++k)
-            for (const PrimitiveRecord& primitive :
-                 record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
-                maps.instances[k].push_back(layout(primitive));
+        for (std::size_t k = 0; k < record.instances.size(); ++k) {
+            MeshLayout mesh;
+            for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
+                mesh.push_back(layout(primitive));
+            maps.instances[k] = laid_out(std::move(mesh));
+        }
         return write_and_load(document, record, maps);
     }
     std::filesystem::path folder;

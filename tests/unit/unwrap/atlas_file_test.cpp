@@ -16,6 +16,7 @@ class AtlasFile : public testing::Test {
         path_ = std::filesystem::path(testing::TempDir()) / "luxel_atlas_file_test.atlas";
         test::add_object(scene_, "box", test::box(1, 2, 3), 1);
         test::add_object(scene_, "sphere", test::sphere(8, 1), 2);
+        test::add_object(scene_, "copy", test::sphere(8, 1), 2, [](const Vec3f& p) { return p + Vec3f(5, 0, 0); });
         std::vector<Warning> warnings;
         atlas_ = unwrap(scene_, {}, warnings, {});
     }
@@ -42,12 +43,20 @@ TEST_F(AtlasFile, ComesBackEqual) {
         EXPECT_EQ(read.charts[c].ordinal, atlas_.charts[c].ordinal);
         EXPECT_EQ(read.charts[c].count, atlas_.charts[c].count);
     }
+    ASSERT_EQ(read.copy_blocks.size(), 2u);
+    ASSERT_EQ(atlas_.copy_blocks.size(), 2u);
+    for (std::size_t b = 0; b < 2; ++b) {
+        EXPECT_EQ(read.copy_blocks[b].first_object, b + 1);
+        EXPECT_EQ(read.copy_blocks[b].x, atlas_.copy_blocks[b].x);
+        EXPECT_EQ(read.copy_blocks[b].height, atlas_.copy_blocks[b].height);
+    }
 }
 
 TEST_F(AtlasFile, RefusesDamage) {
-    // One box only: every bit of the file is tried.
+    // Two boxes only: every bit of the file is tried.
     Scene scene;
     test::add_object(scene, "box", test::box(1, 2, 3), 1);
+    test::add_object(scene, "copy", test::box(1, 2, 3), 1, [](const Vec3f& p) { return p + Vec3f(5, 0, 0); });
     std::vector<Warning> warnings;
     save_atlas(path_, key_, unwrap(scene, {}, warnings, {}));
     const auto load = [&] { load_atlas(path_, key_, scene); };

@@ -144,24 +144,24 @@ TEST(FitPage, CutsHollowCharts) {
 }
 
 TEST(Pack, FillsPagesWithoutOverlap) {
-    std::vector<Chart> charts(5000);
+    std::vector<PackedRectangle> charts(5000);
     std::uint64_t area = 0;
     for (std::size_t i = 0; i < charts.size(); ++i) {
         charts[i].width = 1 + static_cast<std::uint32_t>(mix(i, 1) % 40);
         charts[i].height = 1 + static_cast<std::uint32_t>(mix(i, 2) % 20);
         area += std::uint64_t{charts[i].width + 3} * (charts[i].height + 3);
     }
-    const std::uint32_t pages = pack_charts(charts, 512, 3);
+    const std::uint32_t pages = pack_pages(charts, 512, 3);
     EXPECT_LE(pages, 1.25 * static_cast<double>(area) / (512.0 * 512) + 1);
     std::vector<std::vector<bool>> taken(pages, std::vector<bool>(512 * 512, false));
-    for (const Chart& chart : charts)
+    for (const PackedRectangle& chart : charts)
         for (std::uint32_t y = chart.y - 3; y < chart.y + chart.height; ++y)
             for (std::uint32_t x = chart.x - 3; x < chart.x + chart.width; ++x) {
                 ASSERT_FALSE(taken[chart.page][y * 512 + x]);
                 taken[chart.page][y * 512 + x] = true;
             }
     charts[0].width = 507;
-    EXPECT_THROW(pack_charts(charts, 512, 3), Error);
+    EXPECT_THROW(pack_pages(charts, 512, 3), Error);
 }
 
 }  // namespace

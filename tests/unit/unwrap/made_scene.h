@@ -22,6 +22,7 @@ inline Object& add_object(Scene& scene, const std::string& name, const MadeMesh&
                           const std::function<Vec3f(const Vec3f&)>& place = {}, bool mirrored = false) {
     Object object;
     object.name = name;
+    object.instance = static_cast<std::uint32_t>(scene.objects.size());
     object.material = static_cast<std::uint32_t>(scene.materials.size());
     object.first_triangle = static_cast<std::uint32_t>(scene.triangles.size());
     object.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
