@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Prepares a folder for building: system packages, xatlas, CMake configuration. Called by run.sh and test.sh.
 #
-# usage: tools/setup.sh run|test|reference
+# usage: tools/setup.sh run|test|reference|consumers
 #   run        what `tools/run.sh` needs; configures build/release
 #   test       also what the tests need; configures build/dev
 #   reference  the Python environment with Mitsuba, in build/deps/reference
+#   consumers  viewers and converters of glTF that tests/consumers runs, in build/deps/consumers
 #
 # Does nothing when it has already succeeded and neither this script nor its lists have changed.
 # Packages are installed on Debian-like systems only; elsewhere it lists what is missing and stops.
@@ -17,7 +18,7 @@ deps="$root/build/deps"
 say() { printf 'setup: %s\n' "$*" >&2; }
 fail() { printf 'setup: error: %s\n' "$1" >&2; shift; for line in "$@"; do printf '       %s\n' "$line" >&2; done; exit 3; }
 
-usage() { sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; }
+usage() { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; }
 
 # Prints the lines "package kind name" of the named sections.
 listed() {
@@ -30,7 +31,9 @@ listed() {
 # --- system packages ---------------------------------------------------------------------------------------------
 
 missing_packages() {  # Debian packages of the sections that are not installed, one a line
-    listed "$@" | awk '{ print $1 }' | sort -u | while read -r name; do
+    local name kind program
+    listed "$@" | sort -u | while read -r name kind program; do
+        [ "$kind" != any-program ] || ! command -v "$program" >/dev/null || continue
         if [ "$(dpkg-query -W -f='${db:Status-Status}\n' "$name" 2>/dev/null | head -n 1)" != installed ]; then
             printf '%s\n' "$name"
         fi
@@ -60,7 +63,7 @@ missing_here() {
     local -a wanted=()
     while read -r package kind name; do
         case $kind in
-            program) command -v "$name" >/dev/null || printf 'program %s (Debian: %s)\n' "$name" "$package" ;;
+            program | any-program) command -v "$name" >/dev/null || printf 'program %s (Debian: %s)\n' "$name" "$package" ;;
             python) python3 -c "import $name" 2>/dev/null || printf 'Python module %s (Debian: %s)\n' "$name" "$package" ;;
             pkg-config) pkg-config --exists "$name" 2>/dev/null ||
                 printf 'pkg-config module %s (Debian: %s)\n' "$name" "$package" ;;
@@ -156,9 +159,24 @@ provide_reference() {
         fail "the Python packages of tests/reference/requirements.txt could not be installed"
 }
 
+provide_consumers() {
+    local folder="$deps/consumers"
+    say "getting viewers and converters of glTF into build/deps/consumers"
+    mkdir -p "$folder"
+    cp "$root"/tests/consumers/package.json "$root"/tests/consumers/package-lock.json "$folder/"
+    (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) ||
+        fail "the npm packages of tests/consumers/package.json could not be installed"
+    rm -rf "$folder/blender"
+    python3 -m venv "$folder/blender"
+    "$folder/blender/bin/python" -m pip --disable-pip-version-check --no-cache-dir install --quiet \
+        -r "$root/tests/consumers/requirements-blender.txt" >&2 ||
+        fail "the Python packages of tests/consumers/requirements-blender.txt could not be installed"
+}
+
 fingerprint() {  # changes when set-up would do something else
     cat "$packages_file" "$root/tools/setup.sh" "$root/tools/requirements-xatlas.txt" \
-        "$root/tests/reference/requirements.txt" "$root/CMakePresets.json" | sha256sum | cut -d ' ' -f 1
+        "$root/tests/reference/requirements.txt" "$root/tests/consumers/package-lock.json" \
+        "$root/tests/consumers/requirements-blender.txt" "$root/CMakePresets.json" | sha256sum | cut -d ' ' -f 1
 }
 
 main() {
@@ -168,6 +186,7 @@ main() {
         run) product="$root/build/release/build.ninja" ;;
         test) product="$root/build/dev/build.ninja" ;;
         reference) product="$deps/reference/bin/python" ;;
+        consumers) product="$deps/consumers/blender/bin/python" ;;
         -h | --help) usage; exit 0 ;;
         *) usage >&2; exit 1 ;;
     esac
@@ -183,6 +202,7 @@ main() {
         run) provide_packages run; provide_xatlas; configure release ;;
         test) provide_packages run test; provide_xatlas; configure dev ;;
         reference) provide_packages run reference; provide_reference ;;
+        consumers) provide_packages run consumers; provide_consumers ;;
     esac
     printf '%s\n' "$print" >"$stamp"
 }

@@ -1,0 +1,312 @@
+"""What a baked model must still have of its input: everything. Standard library only.
+
+`differences(before, values, after)` lists what was lost or changed, as lines of text; an empty list is a pass.
+before  the input as it is
+values  the input with its compressed arrays decoded under the same numbers (decode.mjs); `before` itself where none is
+after   the baked model
+
+Compared: the scenes, nodes, cameras, skins, animations, unknown members, extensions and extras as JSON; arrays by their
+elements, in their component types; pictures byte for byte; all materials, textures and samplers under their numbers; every
+triangle's corners with all attributes and morph targets. Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV
+set, clones of materials, their textures), vertices that are split, primitives parted by page, meshes copied per node,
+strips and fans as triangles, arrays in other views, decoded compression.
+"""
+import collections
+import copy
+
+COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"}
+PLACE = {"bufferView", "byteOffset", "sparse"}     # of an accessor: where its elements lie
+BOUNDS = {"min", "max"}
+GROWING = ("samplers", "textures", "materials")
+RESTORED = {"accessors", "bufferViews", "buffers", "images", "meshes", "nodes", "skins", "animations", "asset", "extensionsUsed",
+            "extensionsRequired", *GROWING}
+MOST_LINES = 20
+
+
+def differences(before, values, after):
+    found = _Comparison(before, values, after)
+    try:
+        found.run()
+    except (IndexError, KeyError, TypeError, ValueError) as error:  # something is gone that has to be there
+        found.lines.append(f"the models cannot be compared further: {type(error).__name__} {error}")
+    return found.lines
+
+
+def without(item, *keys):
+    return {key: value for key, value in item.items() if key not in keys}
+
+
+def without_extension(item, *names):
+    """The item without these extensions, and without an `extensions` that is left empty."""
+    item = dict(item)
+    extensions = without(item.pop("extensions", {}), *names)
+    return {**item, "extensions": extensions} if extensions else item
+
+
+def with_moved_set(value, moved):
+    """All textures that use TEXCOORD_1 use TEXCOORD_moved instead."""
+    if isinstance(value, list):
+        return [with_moved_set(item, moved) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {key: moved if key == "texCoord" and item == 1 else
+            item if key in ("extras", "MOZ_lightmap") else with_moved_set(item, moved) for key, item in value.items()}
+
+
+def uses_second_set(value):
+    return with_moved_set(value, -1) != value
+
+
+class _Comparison:
+    def __init__(self, before, values, after):
+        self.before, self.values, self.after, self.lines = before, values, after, []
+
+    def say(self, where, what):
+        if len(self.lines) < MOST_LINES:
+            self.lines.append(f"{where}: {what}")
+
+    def same(self, where, old, new):
+        """JSON values, with the place of the first difference."""
+        if isinstance(old, dict) and isinstance(new, dict):
+            for key in {**old, **new}:
+                if key not in new:
+                    self.say(where, f"{key} is lost")
+                elif key not in old:
+                    self.say(where, f"{key} was added")
+                else:
+                    self.same(f"{where}/{key}", old[key], new[key])
+        elif isinstance(old, list) and isinstance(new, list):
+            if len(old) != len(new):
+                self.say(where, f"had {len(old)} items, has {len(new)}")
+            for index, (one, other) in enumerate(zip(old, new)):
+                self.same(f"{where}/{index}", one, other)
+        elif old != new or isinstance(old, bool) != isinstance(new, bool):
+            self.say(where, f"was {old!r:.80}, is {new!r:.80}")
+
+    def run(self):
+        old, new = self.before.json, self.after.json
+        for key in {**old, **new}:
+            if key not in RESTORED:
+                self.same(key, {key: old[key]} if key in old else {}, {key: new[key]} if key in new else {})
+        self.asset(old["asset"], new["asset"])
+        self.extension_lists()
+        for name in GROWING:
+            self.same(name, self.before.items(name), self.after.items(name)[:len(self.before.items(name))])
+        self.pictures()
+        self.nodes()
+        self.skins_and_animations()
+        self.lonely_meshes()
+
+    def asset(self, old, new):
+        new = copy.deepcopy(new)
+        if new.get("extras", {}).pop("luxel", None) is None:
+            self.say("asset/extras", "luxel's version is missing")
+        if not new["extras"] and "extras" not in old:
+            del new["extras"]
+        self.same("asset", {**old, "extras": without(old["extras"], "luxel")} if "luxel" in old.get("extras", {}) else old, new)
+
+    def extension_lists(self):
+        for name, added in (("extensionsUsed", {"MOZ_lightmap"}), ("extensionsRequired", set())):
+            old, new = self.before.items(name), self.after.items(name)
+            lost = [item for item in old if item not in new and item not in COMPRESSION]
+            more = [item for item in new if item not in old and item not in added]
+            if lost or more:
+                self.say(name, f"lost {lost}, added {more}")
+
+    def pictures(self):
+        for index, old in enumerate(self.before.items("images")):
+            where, new = f"images/{index}", self.after.items("images")[index]
+            place = {"uri", "bufferView", "mimeType", *({"name"} - old.keys())}
+            self.same(where, without(old, *place), without(new, *place))
+            if "mimeType" in old and "bufferView" in new and new["mimeType"] != old["mimeType"]:
+                self.say(where, f"mimeType was {old['mimeType']}, is {new['mimeType']}")
+            try:
+                bytes_before = self.before.picture(index)
+            except OSError:
+                self.same(where, old, new)  # a picture that is not there stays named
+                continue
+            if bytes_before != self.after.picture(index):
+                self.say(where, "its bytes have changed")
+
+    def array(self, where, old, new):
+        """An accessor that is not rewritten: members and elements."""
+        before, after = self.before.items("accessors")[old], self.after.items("accessors")[new]
+        self.same(where, without(before, *PLACE), without(after, *PLACE))
+        if self.values.elements(old) != self.after.elements(new):
+            self.say(where, "its elements have changed")
+
+    def arrays(self, where, old, new):
+        """A map from names to accessors."""
+        self.same(where, sorted(old), sorted(new))
+        for name in old.keys() & new.keys():
+            self.array(f"{where}/{name}", old[name], new[name])
+
+    def nodes(self):
+        nodes = self.after.items("nodes")
+        if len(nodes) != len(self.before.items("nodes")):
+            self.say("nodes", f"there were {len(self.before.items('nodes'))}, there are {len(nodes)}")
+        for index, (old, new) in enumerate(zip(self.before.items("nodes"), nodes)):
+            where = f"nodes/{index}"
+            name = "EXT_mesh_gpu_instancing"
+            copies = [item.get("extensions", {}).get(name) for item in (old, new)]
+            self.same(where, *(without_extension(without(item, "mesh"), name) for item in (old, new)))
+            if all(copies):
+                self.same(f"{where}/{name}", *(without(item, "attributes") for item in copies))
+                self.arrays(f"{where}/{name}", *(item["attributes"] for item in copies))
+            elif any(copies):
+                self.say(where, f"{name} was lost or added")
+            if ("mesh" in old) != ("mesh" in new):
+                self.say(where, "its mesh was lost or added")
+            elif "mesh" in old:
+                self.mesh(f"{where}/mesh", self.before.items("meshes")[old["mesh"]], self.after.items("meshes")[new["mesh"]])
+
+    def lonely_meshes(self):
+        shown = {node["mesh"] for node in self.before.items("nodes") if "mesh" in node}
+        for index, old in enumerate(self.before.items("meshes")):
+            if index not in shown:
+                self.mesh(f"meshes/{index}", old, self.after.items("meshes")[index])
+
+    def skins_and_animations(self):
+        for name, number in (("skins", "inverseBindMatrices"), ("animations", "")):
+            for index, (old, new) in enumerate(zip(self.before.items(name), self.after.items(name))):
+                self.same(f"{name}/{index}", without(old, number, "samplers"), without(new, number, "samplers"))
+                if number and number in old:
+                    self.array(f"{name}/{index}/{number}", old[number], new[number])
+                for place, (one, other) in enumerate(zip(old.get("samplers", []), new.get("samplers", []))):
+                    where = f"{name}/{index}/samplers/{place}"
+                    self.same(where, without(one, "input", "output"), without(other, "input", "output"))
+                    self.array(where + "/input", one["input"], other["input"])
+                    self.array(where + "/output", one["output"], other["output"])
+                self.same(f"{name}/{index}/samplers", len(old.get("samplers", [])), len(new.get("samplers", [])))
+            self.same(name, len(self.before.items(name)), len(self.after.items(name)))
+
+    # --- meshes --------------------------------------------------------------------------------------------------
+
+    def mesh(self, where, old, new):
+        self.same(where, without(old, "primitives"), without(new, "primitives"))
+        rest = list(new["primitives"])
+        for index, primitive in enumerate(old["primitives"]):
+            here = f"{where}/primitives/{index}"
+            if not rest:
+                self.say(here, "is lost")
+                return
+            if rest[0].get("material") == primitive.get("material"):
+                self.unchanged(here, primitive, rest.pop(0))
+                continue
+            parts, wanted = [], len(self.values.triangles(self.values_of(primitive)) or []) // 3
+            while rest and wanted > 0:
+                parts.append(rest.pop(0))
+                wanted -= len(self.after.triangles(parts[-1])) // 3
+            if wanted:
+                self.say(here, f"{wanted} triangles are missing")
+            self.parts(here, primitive, parts)
+        if rest:
+            self.say(where, f"{len(rest)} primitives were added")
+
+    def values_of(self, primitive):
+        """The same primitive without compression: its arrays have the same numbers there."""
+        return without_extension(primitive, *COMPRESSION)
+
+    def unchanged(self, where, old, new):
+        arrays = ("attributes", "indices", "targets")
+        self.same(where, without_extension(without(old, *arrays), *COMPRESSION), without(new, *arrays))
+        self.arrays(where, old["attributes"], new["attributes"])
+        for one, other in zip(old.get("targets", []), new.get("targets", [])):
+            self.arrays(where + "/targets", one, other)
+        self.same(where + "/targets", len(old.get("targets", [])), len(new.get("targets", [])))
+        self.same(where, "indices" in old, "indices" in new)
+        if "indices" in old and "indices" in new:
+            self.array(where + "/indices", old["indices"], new["indices"])
+
+    def moved_set(self, primitive):
+        """Where TEXCOORD_1 of the input must be now: a number, or None where it may go, 1 where there was none."""
+        if "TEXCOORD_1" not in primitive["attributes"]:
+            return 1
+        materials = [self.before.items("materials")[index] for index in self.materials_of(primitive)]
+        had_lightmap = any("MOZ_lightmap" in material.get("extensions", {}) for material in materials)
+        if had_lightmap and not any(uses_second_set(item) for item in (*materials, primitive)):
+            return None
+        free = 2
+        while f"TEXCOORD_{free}" in primitive["attributes"]:
+            free += 1
+        return free
+
+    @staticmethod
+    def materials_of(primitive):
+        mappings = primitive.get("extensions", {}).get("KHR_materials_variants", {}).get("mappings", [])
+        return [item["material"] for item in (primitive, *mappings) if "material" in item]
+
+    def parts(self, where, old, parts):
+        moved = self.moved_set(old)
+        rename = {"TEXCOORD_1": None if moved is None else f"TEXCOORD_{moved}"}
+        rewritten = ("attributes", "indices", "targets", "mode", "material")
+        for part in parts:
+            self.part_members(where, without_extension(without(old, *rewritten), *COMPRESSION), without(part, *rewritten), moved or 1)
+            self.clone(where, old.get("material"), part["material"], moved or 1)
+            names = {rename.get(name, name) for name in old["attributes"]} - {None}
+            self.same(f"{where}/attributes", sorted(names | {"TEXCOORD_0", "TEXCOORD_1"}), sorted(part["attributes"]))
+            self.lightmap_set(where, part["attributes"]["TEXCOORD_1"])
+        sets = [(old["attributes"], [part["attributes"] for part in parts])]
+        for index, target in enumerate(old.get("targets", [])):
+            sets.append((target, [part["targets"][index] for part in parts]))
+        corners = [self.corners(self.values, self.values_of(old), [(before, name) for before, _ in sets for name in sorted(before)
+                                                                   if rename.get(name, name)])]
+        for number, part in enumerate(parts):
+            chosen = []
+            for before, after in sets:
+                for name in sorted(before):
+                    new_name = rename.get(name, name)
+                    if new_name:
+                        self.described(f"{where}/{name}", before[name], after[number][new_name])
+                        chosen.append((after[number], new_name))
+            corners.append(self.corners(self.after, part, chosen))
+        self.same_triangles(where, corners[0], corners[1:])
+
+    def part_members(self, where, old, new, moved):
+        """Members of a rewritten primitive. Its variants show clones as well."""
+        name = "KHR_materials_variants"
+        variants = [item.get("extensions", {}).get(name, {}).get("mappings", []) for item in (old, new)]
+        self.same(where, with_moved_set(without_extension(old, name), moved), without_extension(new, name))
+        self.same(where, len(variants[0]), len(variants[1]))
+        for one, other in zip(*variants):
+            self.same(where, without(one, "material"), without(other, "material"))
+            self.clone(where, one["material"], other["material"], moved)
+
+    def clone(self, where, old, new, moved):
+        material = self.after.items("materials")[new]
+        before = self.before.items("materials")[old] if old is not None else {}
+        before = with_moved_set(without_extension(before, "MOZ_lightmap"), moved)
+        self.same(f"{where}/material", before, without_extension(material, "MOZ_lightmap"))
+        if "MOZ_lightmap" not in material.get("extensions", {}):
+            self.say(where, f"material {new} has no lightmap")
+
+    def lightmap_set(self, where, index):
+        accessor = self.after.items("accessors")[index]
+        self.same(f"{where}/TEXCOORD_1", ("VEC2", 5126), (accessor["type"], accessor["componentType"]))
+        if not all(0 <= value <= 1 for pair in self.after.numbers(index) for value in pair):
+            self.say(f"{where}/TEXCOORD_1", "leaves the page")
+
+    def described(self, where, old, new):
+        """Members of an accessor whose elements were gathered: all but those that say how many and where."""
+        drop = PLACE | BOUNDS | {"count"}
+        before, after = ({"normalized": False, **without(item, *drop)}
+                         for item in (self.before.items("accessors")[old], self.after.items("accessors")[new]))
+        self.same(where, before, after)
+
+    @staticmethod
+    def corners(file, primitive, chosen):
+        """Per triangle: the bytes of its three corners in all the chosen arrays."""
+        vertices = [b"".join(values) for values in zip(*(file.elements(arrays[name]) for arrays, name in chosen))]
+        of = [vertices[index] for index in file.triangles(primitive)]
+        return [b"".join(of[at:at + 3]) for at in range(0, len(of), 3)]
+
+    def same_triangles(self, where, before, parts):
+        after = [triangle for part in parts for triangle in part]
+        if before == after:
+            return
+        if len(parts) == 1:
+            wrong = next((i for i, (one, other) in enumerate(zip(before, after)) if one != other), min(len(before), len(after)))
+            self.say(where, f"triangle {wrong} of {len(before)} has changed")
+        lost = collections.Counter(before) - collections.Counter(after)
+        if lost:
+            self.say(where, f"{sum(lost.values())} triangles of {len(before)} are not among the parts")

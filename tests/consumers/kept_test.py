@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Everything of the input is in the output: bakes scenes cheaply, and compares both documents (kept.py).
+
+usage: kept_test.py LUXEL [--all] [--only TEXT]
+  --all   the scenes of others too (LUXEL_SCENES, else ../shared/scenes beside the project), and every way of writing.
+          Compressed ones are compared by their values where Node and `tools/setup.sh consumers` are there, else left out.
+  --only  files whose path has this text
+
+Without --all: a made model that has a bit of everything, and samples, as .glb and as .gltf.
+"""
+import argparse
+import os
+import sys
+import tempfile
+
+import everything
+import gltf_file
+import kept
+import scenes
+
+
+def is_compressed(document):
+    return any(name in document.get("extensionsUsed", []) for name in kept.COMPRESSION)
+
+
+def decoded(source, folder):
+    """The input with its arrays decoded; None where nothing is there to do so."""
+    if not scenes.has_modules():
+        return None
+    target = os.path.join(folder, "decoded.glb")
+    done = scenes.node(os.path.join(scenes.HERE, "decode.mjs"), source, target)
+    if done.returncode:
+        raise RuntimeError(f"decode.mjs: {done.stderr[-1000:]}")
+    return gltf_file.GltfFile(target)
+
+
+def check(luxel, source, ways):
+    """Bakes one scene in these ways; returns the lines of what is wrong."""
+    wrong = []
+    before = gltf_file.GltfFile(source)
+    with tempfile.TemporaryDirectory(prefix="luxel-kept-") as folder:
+        values = decoded(source, folder) if is_compressed(before.json) else before
+        if values is None:
+            print(f"{source}: left out, compressed, and decoders are missing (tools/setup.sh consumers)", flush=True)
+            return []
+        for way in ways:
+            output = os.path.join(folder, way.name, "baked" + way.suffix)
+            try:
+                scenes.bake(luxel, source, output, "--work", os.path.join(folder, "work"), *way.arguments)
+                wrong += [f"{way.name}: {line}" for line in kept.differences(before, values, gltf_file.GltfFile(output))]
+            except (RuntimeError, ValueError, OSError) as error:
+                wrong.append(f"{way.name}: {error}")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("luxel")
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--only", default="")
+    options = parser.parse_args()
+    ways = scenes.WAYS if options.all else scenes.WAYS[:2]
+    with tempfile.TemporaryDirectory(prefix="luxel-everything-") as folder:
+        paths = [everything.write(folder), *scenes.samples()]
+        if options.all:
+            foreign = scenes.foreign_scenes()
+            if not foreign:
+                scenes.skip(f"no scenes in {scenes.scenes_folder()}; LUXEL_SCENES names their folder")
+            paths += foreign
+        failed = 0
+        for path in (path for path in paths if options.only in path):
+            wrong = check(options.luxel, path, ways)
+            failed += bool(wrong)
+            print(f"{'CHANGED' if wrong else 'kept':8}{os.path.relpath(path, scenes.ROOT)}", *wrong, sep="\n    ", flush=True)
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()
