@@ -6,13 +6,14 @@ values  the input with its compressed arrays decoded under the same numbers (dec
 after   the baked model
 
 Compared: the scenes, nodes, cameras, skins, animations, unknown members, extensions and extras as JSON; arrays by their
-elements, in their component types; pictures byte for byte; all materials, textures and samplers under their numbers; every
+elements, in their component types (to one unit where a decoder may round: filters of meshopt); pictures byte for byte; all materials, textures and samplers under their numbers; every
 triangle's corners with all attributes and morph targets. Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV
 set, clones of materials, their textures), vertices that are split, primitives parted by page, meshes copied per node,
 strips and fans as triangles, arrays in other views, decoded compression.
 """
 import collections
 import copy
+import struct
 
 COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"}
 PLACE = {"bufferView", "byteOffset", "sparse"}     # of an accessor: where its elements lie
@@ -51,6 +52,14 @@ def with_moved_set(value, moved):
         return value
     return {key: moved if key == "texCoord" and item == 1 else
             item if key in ("extras", "MOZ_lightmap") else with_moved_set(item, moved) for key, item in value.items()}
+
+
+def with_float_bounds(accessor):
+    """Bounds of floats as those floats: a file may say 0.1 for the float that is nearest to it."""
+    if accessor["componentType"] != 5126:
+        return accessor
+    return {key: [struct.unpack("<f", struct.pack("<f", number))[0] for number in value] if key in BOUNDS else value
+            for key, value in accessor.items()}
 
 
 def uses_second_set(value):
@@ -106,7 +115,9 @@ class _Comparison:
         self.same("asset", {**old, "extras": without(old["extras"], "luxel")} if "luxel" in old.get("extras", {}) else old, new)
 
     def extension_lists(self):
-        for name, added in (("extensionsUsed", {"MOZ_lightmap"}), ("extensionsRequired", set())):
+        textures = self.after.items("textures")[len(self.before.items("textures")):]
+        pictures = {name for texture in textures for name in texture.get("extensions", {})}
+        for name, added in (("extensionsUsed", {"MOZ_lightmap"} | pictures), ("extensionsRequired", set())):
             old, new = self.before.items(name), self.after.items(name)
             lost = [item for item in old if item not in new and item not in COMPRESSION]
             more = [item for item in new if item not in old and item not in added]
@@ -130,10 +141,24 @@ class _Comparison:
 
     def array(self, where, old, new):
         """An accessor that is not rewritten: members and elements."""
-        before, after = self.before.items("accessors")[old], self.after.items("accessors")[new]
-        self.same(where, without(before, *PLACE), without(after, *PLACE))
-        if self.values.elements(old) != self.after.elements(new):
+        before, after = (with_float_bounds(without(item, *PLACE)) for item in
+                         (self.before.items("accessors")[old], self.after.items("accessors")[new]))
+        self.same(where, before, after)
+        if self.is_rounded(old):
+            self.nearly_same(where, self.values.numbers(old), self.after.numbers(new))
+        elif self.values.elements(old) != self.after.elements(new):
             self.say(where, "its elements have changed")
+
+    def is_rounded(self, accessor):
+        """Do decoders of this array round, each in its own way? Unit vectors and rotations, as integers."""
+        view = self.before.items("accessors")[accessor].get("bufferView")
+        extensions = self.before.items("bufferViews")[view].get("extensions", {}) if view is not None else {}
+        return any(extensions.get(name, {}).get("filter") in ("OCTAHEDRAL", "QUATERNION") for name in COMPRESSION)
+
+    def nearly_same(self, where, old, new):
+        """Tuples of integers that differ by one at most."""
+        if len(old) != len(new) or any(abs(a - b) > 1 for one, other in zip(old, new) for a, b in zip(one, other)):
+            self.say(where, "its elements have changed by more than rounding")
 
     def arrays(self, where, old, new):
         """A map from names to accessors."""
@@ -249,18 +274,17 @@ class _Comparison:
         sets = [(old["attributes"], [part["attributes"] for part in parts])]
         for index, target in enumerate(old.get("targets", [])):
             sets.append((target, [part["targets"][index] for part in parts]))
-        corners = [self.corners(self.values, self.values_of(old), [(before, name) for before, _ in sets for name in sorted(before)
-                                                                   if rename.get(name, name)])]
-        for number, part in enumerate(parts):
-            chosen = []
-            for before, after in sets:
-                for name in sorted(before):
-                    new_name = rename.get(name, name)
-                    if new_name:
-                        self.described(f"{where}/{name}", before[name], after[number][new_name])
-                        chosen.append((after[number], new_name))
-            corners.append(self.corners(self.after, part, chosen))
-        self.same_triangles(where, corners[0], corners[1:])
+        pairs = [(before[name], [after[rename.get(name, name)] for after in afters])
+                 for before, afters in sets for name in sorted(before) if rename.get(name, name)]
+        for accessor, copies in pairs:
+            for one in copies:
+                self.described(where, accessor, one)
+        exact = [pair for pair in pairs if not self.is_rounded(pair[0])]
+        before = self.corners(self.values, self.values_of(old), [accessor for accessor, _ in exact])
+        after = [self.corners(self.after, part, [copies[number] for _, copies in exact]) for number, part in enumerate(parts)]
+        if self.same_triangles(where, before, after):
+            for accessor, copies in (pair for pair in pairs if self.is_rounded(pair[0])):
+                self.rounded_corners(where, old, parts, (accessor, copies), in_order(before, after))
 
     def part_members(self, where, old, new, moved):
         """Members of a rewritten primitive. Its variants show clones as well."""
@@ -293,20 +317,41 @@ class _Comparison:
                          for item in (self.before.items("accessors")[old], self.after.items("accessors")[new]))
         self.same(where, before, after)
 
+    def rounded_corners(self, where, old, parts, pair, order):
+        """Corners of arrays whose decoders round; order: for each triangle of the input, (part, triangle) of the output."""
+        accessor, copies = pair
+        file_of = [(self.values, self.values_of(old), accessor), *((self.after, part, copy) for part, copy in zip(parts, copies))]
+        lists = [[file.numbers(array)[i] for i in file.triangles(primitive)] for file, primitive, array in file_of]
+        found = [corner for part, at in order for corner in lists[1 + part][3 * at:3 * at + 3]]
+        self.nearly_same(where, lists[0], found)
+
     @staticmethod
-    def corners(file, primitive, chosen):
-        """Per triangle: the bytes of its three corners in all the chosen arrays."""
-        vertices = [b"".join(values) for values in zip(*(file.elements(arrays[name]) for arrays, name in chosen))]
+    def corners(file, primitive, accessors):
+        """Per triangle: the bytes of its three corners in all these arrays."""
+        vertices = [b"".join(values) for values in zip(*(file.elements(accessor) for accessor in accessors))]
         of = [vertices[index] for index in file.triangles(primitive)]
         return [b"".join(of[at:at + 3]) for at in range(0, len(of), 3)]
 
     def same_triangles(self, where, before, parts):
         after = [triangle for part in parts for triangle in part]
         if before == after:
-            return
+            return True
         if len(parts) == 1:
             wrong = next((i for i, (one, other) in enumerate(zip(before, after)) if one != other), min(len(before), len(after)))
             self.say(where, f"triangle {wrong} of {len(before)} has changed")
+            return False
         lost = collections.Counter(before) - collections.Counter(after)
         if lost:
             self.say(where, f"{sum(lost.values())} triangles of {len(before)} are not among the parts")
+        return not lost
+
+
+def in_order(before, parts):
+    """Which (part, triangle) each triangle of the input became: parts keep the order."""
+    waiting = collections.defaultdict(list)
+    for number, part in enumerate(parts):
+        for at, triangle in enumerate(part):
+            waiting[triangle].append((at, number))
+    for places in waiting.values():
+        places.sort(reverse=True)
+    return [waiting[triangle].pop()[::-1] for triangle in before]

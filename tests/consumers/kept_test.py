@@ -59,7 +59,7 @@ def main():
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--only", default="")
     options = parser.parse_args()
-    ways = scenes.WAYS if options.all else scenes.WAYS[:2]
+    ways = scenes.ways(options.luxel)[:None if options.all else 2]
     with tempfile.TemporaryDirectory(prefix="luxel-everything-") as folder:
         paths = [everything.write(folder), *scenes.samples()]
         if options.all:

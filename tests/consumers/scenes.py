@@ -22,14 +22,27 @@ class Way(typing.NamedTuple):
     name: str
     suffix: str
     arguments: tuple = ()
+    warnings: tuple = ()  # codes of the validator that this way cannot avoid, with the reason at its line
 
 
-WAYS = [
+ALL_WAYS = [
     Way("glb", ".glb"),
     Way("gltf", ".gltf"),
     Way("uv-keep", ".glb", ("--uv", "keep")),
     Way("linear8", ".glb", ("--encoding", "linear8")),
+    *(Way(form, suffix, ("--lightmap-format", form)) for form, suffix in
+      (("png16", ".glb"), ("rgbm", ".gltf"), ("rgbe", ".glb"), ("exr", ".gltf"), ("ktx2", ".glb"))),
+    Way("plain", ".glb", ("--profile", "plain")),
+    # Hubs loads one file, and a picture inside a GLB must have a type: image/vnd.radiance is not one of glTF's
+    Way("hubs", ".glb", ("--profile", "hubs"), ("VALUE_NOT_IN_LIST",)),
+    Way("unlit", ".glb", ("--unlit",)),
 ]
+
+
+def ways(luxel):
+    """Those that this build of the program has options for."""
+    known = subprocess.run([luxel, "bake", "--help"], stdout=subprocess.PIPE, text=True, check=True).stdout
+    return [way for way in ALL_WAYS if all(argument in known for argument in way.arguments if argument.startswith("--"))]
 
 
 def scenes_folder():
