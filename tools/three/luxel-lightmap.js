@@ -1,0 +1,137 @@
+/**
+ * Lightmaps of luxel in three.js: a plugin of GLTFLoader for MOZ_lightmap, as luxel and other tools write it.
+ *
+ *     import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+ *     import { luxelLightmaps } from './luxel-lightmap.js';
+ *     const loader = new GLTFLoader();
+ *     loader.register(luxelLightmaps());
+ *
+ * Every material with the extension gets `lightMap`, on the UV set and with the KHR_texture_transform that it names, and
+ * `lightMapIntensity`. three then shows, where there is no other light,
+ *
+ *     radiance [nits] = reflectance / pi * irradiance [lux],
+ *     irradiance = decoded texel * intensity * extras.irradianceFactor (1 where a file does not say it)
+ *
+ * times `renderer.toneMappingExposure`. How a texel is decoded follows from `extras.encoding` of the extension:
+ *
+ *     srgb8    8 bits, sRGB encoded        by the graphics card, before it interpolates
+ *     linear8  8 bits, proportional        taken as they are
+ *     linear16, rgbm8, rgbe8, half         to half floats while loading (lightmap-decoders.js, which is loaded when it is needed)
+ *
+ * A file without `extras.encoding` is not luxel's; options.encoding says what it has.
+ *
+ * The lamps of a file are in its lightmaps already: they are made invisible, so that nothing is lit twice.
+ * Works with materials that are lit and with those that are unlit (MeshBasicMaterial: three divides by pi there too). Emission
+ * stays what the material says: nits, on the same scale. docs/viewers.md has a page, and advice about exposure.
+ *
+ * Source  MOZ_lightmap (draft by T. Takahiro); three.js r187, which has no loader for it.
+ */
+import { LoaderUtils, MeshPhysicalMaterial, NoColorSpace, SRGBColorSpace } from 'three';
+
+const EXTENSION = 'MOZ_lightmap';
+
+/** Of encodings that browsers and graphics cards decode by themselves. The others are made half floats. */
+const COLOR_SPACES = { srgb8: SRGBColorSpace, linear8: NoColorSpace };
+
+/** What three's HDRLoader makes of a mantissa m is m / 255, where the file means m / 256. */
+const DECODER_FACTORS = { rgbe8: 255 / 256 };
+
+/** Extensions by which a texture names a picture that glTF does not know. */
+const PICTURE_EXTENSIONS = ['MOZ_texture_rgbe', 'EXT_texture_exr', 'KHR_texture_basisu'];
+
+/**
+ * What to give to GLTFLoader.register().
+ *
+ * @param {object} [options]
+ * @param {boolean} [options.lambert=false]  true: surfaces reflect as luxel baked them, diffusely: metals too, and without the
+ *     1.5 % and more (at grazing angles) of diffuse light that three's standard material takes away for its mirror-like part. Right
+ *     without an environment map, where that part has nothing to show; then radiance is exactly reflectance / pi * irradiance.
+ * @param {number} [options.scale=1]  factor of all lightmaps, for scenes whose other lights are on another scale than luxel's
+ * @param {boolean} [options.keepLamps=false]  true: the lamps of the file stay visible
+ * @param {string} [options.encoding='srgb8']  of files that do not say it themselves
+ */
+export function luxelLightmaps(options = {}) {
+  return parser => new LightmapPlugin(parser, { lambert: false, scale: 1, keepLamps: false, encoding: 'srgb8', ...options });
+}
+
+class LightmapPlugin {
+  constructor(parser, options) {
+    this.name = EXTENSION;
+    this.parser = parser;
+    this.options = options;
+  }
+
+  // --- called by GLTFLoader; null leaves the choice to other plugins and to itself ----------------------------------------
+
+  getMaterialType(materialIndex) {
+    return this.lightmapOf(materialIndex) && this.options.lambert ? MeshPhysicalMaterial : null;
+  }
+
+  extendMaterialParams(materialIndex, params) {
+    const lightmap = this.lightmapOf(materialIndex);
+    if (!lightmap) return Promise.resolve();
+    if (this.options.lambert) Object.assign(params, { metalness: 0, specularIntensity: 0 });
+    return this.assignLightmap(params, lightmap);
+  }
+
+  /** Unlit materials: GLTFLoader makes them without asking plugins for parameters. */
+  loadMaterial(materialIndex) {
+    const lightmap = this.lightmapOf(materialIndex);
+    if (!lightmap || !this.isUnlit(materialIndex)) return null;
+    return this.parser.loadMaterial(materialIndex).then(async material => {
+      await this.assignLightmap(material, lightmap);
+      return material;
+    });
+  }
+
+  /** Pictures that have to be decoded here. */
+  loadTexture(textureIndex) {
+    const lightmap = this.parser.json.materials?.map((_, index) => this.lightmapOf(index)).find(item => item?.index === textureIndex);
+    return lightmap && !(this.encodingOf(lightmap) in COLOR_SPACES) ? this.decodeTexture(textureIndex, lightmap) : null;
+  }
+
+  /** After the whole file is loaded. */
+  afterRoot(gltf) {
+    if (this.options.keepLamps || !this.parser.json.materials?.some((_, index) => this.lightmapOf(index))) return null;
+    for (const scene of gltf.scenes) scene.traverse(object => { if (object.isLight) object.visible = false; });
+    return null;
+  }
+
+  // -------------------------------------------------------------------------------------------------------------------------
+
+  lightmapOf(materialIndex) {
+    return this.parser.json.materials[materialIndex].extensions?.[EXTENSION];
+  }
+
+  isUnlit(materialIndex) {
+    return this.parser.json.materials[materialIndex].extensions?.KHR_materials_unlit !== undefined;
+  }
+
+  encodingOf(lightmap) {
+    return lightmap.extras?.encoding ?? this.options.encoding;
+  }
+
+  /** Into a material, or into the parameters of one. */
+  async assignLightmap(params, lightmap) {
+    const encoding = this.encodingOf(lightmap);
+    params.lightMapIntensity = (lightmap.intensity ?? 1) * (lightmap.extras?.irradianceFactor ?? 1) * (DECODER_FACTORS[encoding] ?? 1) * this.options.scale;
+    await this.parser.assignTexture(params, 'lightMap', { texCoord: 1, ...lightmap }, COLOR_SPACES[encoding]);
+  }
+
+  async decodeTexture(textureIndex, lightmap) {
+    const [bytes, { decodeLightmap }] = await Promise.all([this.readPicture(textureIndex), import('./lightmap-decoders.js')]);
+    const texture = await decodeLightmap(bytes, this.encodingOf(lightmap), lightmap.extras?.range);
+    texture.name = this.parser.json.textures[textureIndex].name ?? '';
+    this.parser.associations.set(texture, { textures: textureIndex });
+    return texture;
+  }
+
+  /** The file behind a texture, as bytes. */
+  async readPicture(textureIndex) {
+    const { parser } = this, texture = parser.json.textures[textureIndex];
+    const extension = PICTURE_EXTENSIONS.find(name => texture.extensions?.[name]);
+    const image = parser.json.images[(extension ? texture.extensions[extension] : texture).source];
+    if (image.bufferView !== undefined) return new Uint8Array(await parser.getDependency('bufferView', image.bufferView));
+    return new Uint8Array(await parser.fileLoader.loadAsync(LoaderUtils.resolveURL(image.uri, parser.options.path)));
+  }
+}
