@@ -92,12 +92,14 @@ def main():
         sources = [os.path.join(scenes.ROOT, "samples", name, name + ".gltf") for name in ("cornell_box", "painted_room", "corridor_4")]
         sources.append(everything.write(folder))
         sources += [path for path in scenes.foreign_scenes() if os.path.basename(path) in ("staircase.glb", "house.glb", "lq_e1m1.glb")]
-        for source in sources:
-            baked = os.path.join(folder, "baked.glb")
-            scenes.bake(luxel, source, baked)
+        jobs = [(source, scenes.ALL_WAYS[0]) for source in sources]
+        jobs += [(sources[0], way) for way in scenes.ways(luxel) if "--lightmap-format" in way.arguments or "--profile" in way.arguments]
+        for source, way in jobs:
+            baked = os.path.join(folder, way.name, "baked.glb")
+            scenes.bake(luxel, source, baked, *way.arguments)
             wrong = check(source, baked, folder)
             failed += bool(wrong)
-            print(f"{'LOST' if wrong else 'kept':8}{os.path.relpath(source, scenes.ROOT)}", *wrong, sep="\n    ", flush=True)
+            print(f"{'LOST' if wrong else 'kept':8}{os.path.relpath(source, scenes.ROOT)} {way.name}", *wrong, sep="\n    ", flush=True)
     sys.exit(1 if failed else 0)
 
 

@@ -5,11 +5,11 @@ import { NodeIO } from '@gltf-transform/core';
 import { ALL_EXTENSIONS, EXTMeshoptCompression } from '@gltf-transform/extensions';
 import { dedup, flatten, join, prune, weld } from '@gltf-transform/functions';
 import { MeshoptDecoder, MeshoptEncoder } from 'meshoptimizer';
-import { MOZLightmap } from '../../tools/gltf-transform/moz-lightmap.js';
+import { LIGHTMAP_EXTENSIONS } from '../../tools/gltf-transform/moz-lightmap.js';
 
 const [input, output, ...steps] = process.argv.slice(2);
 await Promise.all([MeshoptDecoder.ready, MeshoptEncoder.ready]);
-const extensions = steps.includes('without-extension') ? ALL_EXTENSIONS : [...ALL_EXTENSIONS, MOZLightmap];
+const extensions = steps.includes('without-extension') ? ALL_EXTENSIONS : [...ALL_EXTENSIONS, ...LIGHTMAP_EXTENSIONS];
 const io = new NodeIO().registerExtensions(extensions).registerDependencies({ 'meshopt.decoder': MeshoptDecoder, 'meshopt.encoder': MeshoptEncoder });
 const document = await io.read(input);
 const known = { dedup: dedup(), prune: prune(), weld: weld(), flatten: flatten(), join: join() };

@@ -3,11 +3,12 @@
  *
  *     import { NodeIO } from '@gltf-transform/core';
  *     import { ALL_EXTENSIONS } from '@gltf-transform/extensions';
- *     import { MOZLightmap } from './moz-lightmap.js';
- *     const io = new NodeIO().registerExtensions([...ALL_EXTENSIONS, MOZLightmap]);
+ *     import { LIGHTMAP_EXTENSIONS } from './moz-lightmap.js';
+ *     const io = new NodeIO().registerExtensions([...ALL_EXTENSIONS, ...LIGHTMAP_EXTENSIONS]);
  *
  * A material's lightmap is then `material.getExtension('MOZ_lightmap')`: intensity (default 1), a texture with its TextureInfo
- * (UV set, sampler, KHR_texture_transform), and the extras that luxel writes: { quantity, unit, encoding, ... }.
+ * (UV set, sampler, KHR_texture_transform), and the extras that luxel writes: { quantity, unit, encoding, ... }. MOZ_texture_rgbe and
+ * EXT_texture_exr are among the classes: textures whose picture is a Radiance or an OpenEXR file.
  *
  * What may be done to a baked file, and how, is in docs/viewers.md.
  *
@@ -106,3 +107,39 @@ export class MOZLightmap extends Extension {
     return this;
   }
 }
+
+/** A class for an extension by which textures name pictures of a kind that glTF does not know; magic: how such a file begins. */
+function pictureExtension(name, magic) {
+  const isOne = texture => magic.every((byte, index) => texture.getImage()?.[index] === byte);
+  return class extends Extension {
+    static EXTENSION_NAME = name;
+    extensionName = name;
+    prereadTypes = [PropertyType.TEXTURE];
+
+    preread(context) {
+      for (const texture of context.jsonDoc.json.textures ?? [])
+        texture.source = texture.extensions?.[name]?.source ?? texture.source;
+      return this;
+    }
+
+    read() {
+      return this;
+    }
+
+    write(context) {
+      const images = this.document.getRoot().listTextures().filter(isOne).map(texture => context.imageIndexMap.get(texture));
+      for (const texture of context.jsonDoc.json.textures ?? []) {
+        if (!images.includes(texture.source)) continue;
+        texture.extensions = { ...texture.extensions, [name]: { source: texture.source } };
+        delete texture.source;
+      }
+      return this;
+    }
+  };
+}
+
+export const MOZTextureRGBE = pictureExtension('MOZ_texture_rgbe', [0x23, 0x3f]);              // "#?"
+export const EXTTextureEXR = pictureExtension('EXT_texture_exr', [0x76, 0x2f, 0x31, 0x01]);
+
+/** All that luxel's files may need beside ALL_EXTENSIONS. Pictures first: the lightmap's class asks for them. */
+export const LIGHTMAP_EXTENSIONS = [MOZTextureRGBE, EXTTextureEXR, MOZLightmap];

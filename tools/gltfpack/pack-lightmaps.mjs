@@ -57,41 +57,58 @@ function runGltfpack(input, output, options) {
   if (done.status !== 0) fail(`gltfpack ended with ${done.status}`);
 }
 
-/** Copies textures and pictures of lightmaps from the baked model; returns their new numbers by the old ones. */
-function addTextures(packed, baked, numbers) {
-  const { json } = packed, from = baked.json, sampler = (json.samplers ??= []), added = new Map();
-  const parts = [padded(packed.body, 0)];
-  let size = parts[0].length;
-  for (const list of ['images', 'textures', 'bufferViews']) json[list] ??= [];
-  for (const number of numbers) {
-    const texture = { ...from.textures[number] }, image = { ...from.images[texture.source] };
-    const view = from.bufferViews[image.bufferView], start = view.byteOffset ?? 0;
-    const bytes = padded(baked.body.subarray(start, start + view.byteLength), 0);
-    json.bufferViews.push({ buffer: 0, byteOffset: size, byteLength: view.byteLength });
-    json.images.push({ ...image, bufferView: json.bufferViews.length - 1 });
-    if (texture.sampler !== undefined) texture.sampler = sampler.push({ ...from.samplers[texture.sampler] }) - 1;
-    added.set(number, json.textures.push({ ...texture, source: json.images.length - 1 }) - 1);
-    parts.push(bytes);
-    size += bytes.length;
+/** The objects of a texture that may name a picture: itself, and extensions for pictures that glTF does not know. */
+const namersOf = texture => [texture, ...Object.values(texture.extensions ?? {})].filter(item => item.source !== undefined);
+
+/** Takes the picture of a lightmap along: into the packed model, or beside it where it lies beside the baked one. */
+function addImage(packed, baked, number, files) {
+  const { bufferView, ...image } = baked.json.images[number];
+  if (bufferView === undefined) {
+    const name = decodeURIComponent(image.uri), from = path.resolve(files.baked, name), to = path.resolve(files.packed, name);
+    if (from !== to) fs.copyFileSync(from, to);
+    return packed.json.images.push(image) - 1;
   }
-  if (!sampler.length) delete json.samplers;
-  // gltfpack's first buffer is the one inside the file; a fallback buffer (-cf) has a number of its own
-  json.buffers[0].byteLength = size;
-  return { added, parts };
+  const view = baked.json.bufferViews[bufferView], start = view.byteOffset ?? 0;
+  const bytes = padded(baked.body.subarray(start, start + view.byteLength), 0);
+  packed.json.bufferViews.push({ buffer: 0, byteOffset: packed.size, byteLength: view.byteLength });
+  packed.parts.push(bytes);
+  packed.size += bytes.length;
+  return packed.json.images.push({ ...image, bufferView: packed.json.bufferViews.length - 1 }) - 1;
 }
 
-function restore(packed, baked) {
+/** Copies textures of lightmaps from the baked model; returns their new numbers by the old ones. */
+function addTextures(packed, baked, numbers, files) {
+  const added = new Map();
+  for (const list of ['images', 'textures', 'bufferViews', 'samplers']) packed.json[list] ??= [];
+  for (const number of numbers) {
+    const texture = structuredClone(baked.json.textures[number]);
+    for (const namer of namersOf(texture)) namer.source = addImage(packed, baked, namer.source, files);
+    if (texture.sampler !== undefined) texture.sampler = packed.json.samplers.push({ ...baked.json.samplers[texture.sampler] }) - 1;
+    added.set(number, packed.json.textures.push(texture) - 1);
+  }
+  for (const list of ['images', 'samplers']) if (!packed.json[list].length) delete packed.json[list];
+  return added;
+}
+
+/** Names of extensions in an object and below. */
+function extensionsIn(value) {
+  if (value === null || typeof value !== 'object') return [];
+  return [...Object.keys(value.extensions ?? {}), ...Object.entries(value).flatMap(([key, item]) => key === 'extras' ? [] : extensionsIn(item))];
+}
+
+function restore(packed, baked, files) {
   const carriers = packed.json.materials?.filter(material => material.extras?.[CARRIER]) ?? [];
-  const numbers = new Set(carriers.map(material => material.extras[CARRIER].index));
-  const { added, parts } = addTextures(packed, baked, numbers);
+  const added = addTextures(packed, baked, new Set(carriers.map(material => material.extras[CARRIER].index)), files);
+  const used = new Set(packed.json.extensionsUsed ?? []).add(EXTENSION);
   for (const material of carriers) {
-    const { [CARRIER]: lightmap, ...extras } = material.extras;
-    material.extensions = { ...material.extensions, [EXTENSION]: { ...lightmap, index: added.get(lightmap.index) } };
+    const { [CARRIER]: lightmap, ...extras } = material.extras, index = added.get(lightmap.index);
+    material.extensions = { ...material.extensions, [EXTENSION]: { ...lightmap, index } };
     if (Object.keys(extras).length) material.extras = extras;
     else delete material.extras;
+    for (const name of extensionsIn([lightmap, packed.json.textures[index]])) used.add(name);
   }
-  packed.json.extensionsUsed = [...packed.json.extensionsUsed ?? [], EXTENSION];
-  return parts;
+  packed.json.extensionsUsed = [...used];
+  packed.json.buffers[0].byteLength = packed.size;
 }
 
 const [input, output, ...options] = process.argv.slice(2);
@@ -105,9 +122,10 @@ try {
   const carried = path.join(folder, 'carried.glb'), packed = path.join(folder, 'packed.glb');
   writeGlb(carried, withCarriers(baked.json), [baked.body]);
   runGltfpack(carried, packed, options);
-  const model = readGlb(packed);
-  const parts = restore(model, baked);
-  writeGlb(output, model.json, parts);
+  const { json, body } = readGlb(packed), first = padded(body, 0);
+  const model = { json, parts: [first], size: first.length };
+  restore(model, baked, { baked: path.dirname(input), packed: path.dirname(output) });
+  writeGlb(output, model.json, model.parts);
 } finally {
   fs.rmSync(folder, { recursive: true });
 }
