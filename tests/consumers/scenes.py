@@ -1,5 +1,6 @@
 """What the tests of this folder bake, and how: the scenes, and the ways of writing them, in one place each. Standard library only."""
 import os
+import shutil
 import subprocess
 import sys
 import typing
@@ -80,7 +81,7 @@ def node(*arguments, **options):
 
 
 def has_modules():
-    return os.path.isfile(os.path.join(MODULES, "node_modules", "gltf-validator", "package.json"))
+    return shutil.which("node") is not None and os.path.isfile(os.path.join(MODULES, "node_modules", "gltf-validator", "package.json"))
 
 
 def skip(why):
