@@ -16,8 +16,10 @@
 
 #include "formats/image/codec.h"
 #include "formats/image/exr_file.h"
+#include "formats/image/hdr_file.h"
 #include "formats/image/image_plugin.h"
 #include "formats/image/jpeg_file.h"
+#include "formats/image/ktx2_file.h"
 #include "formats/image/png_file.h"
 
 namespace luxel {
@@ -177,20 +179,57 @@ ExrSample exr_sample_for(std::span<const float> values) {
     return ExrSample::half_float;
 }
 
-Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
-                 const ImageMetadata& metadata) {
-    if (rgb.size() != std::uint64_t{width} * height * 3 || rgb.empty())
-        throw Error(ErrorCode::internal, "encode_png", "the number of bytes is not width * height * 3");
+namespace {
+
+/// Name and text of all metadata, in the order in which files hold them.
+std::vector<std::pair<std::string, std::string>> texts_of(const ImageMetadata& metadata) {
     std::array<char, 32> intensity{};
     const auto end = std::to_chars(intensity.data(), intensity.data() + intensity.size(), static_cast<float>(metadata.intensity)).ptr;
     std::vector<std::pair<std::string, std::string>> texts{
         {"quantity", metadata.quantity}, {"unit", metadata.unit}, {"encoding", metadata.encoding}, {"Software", metadata.software}};
     texts.insert(texts.end(), metadata.more.begin(), metadata.more.end());
     texts.emplace_back("intensity", std::string(intensity.data(), end));
+    return texts;
+}
+
+void check_samples(const char* where, std::uint32_t width, std::uint32_t height, std::uint64_t channels, std::size_t found) {
+    if (found != std::uint64_t{width} * height * channels || found == 0)
+        throw Error(ErrorCode::internal, where, "the number of samples is not width * height * " + std::to_string(channels));
+}
+
+Bytes encoded_png(const PngSamples& samples, const ImageMetadata& metadata) {
     Bytes bytes;
-    const std::string why = write_png(width, height, rgb, texts, bytes);
+    const std::string why = write_png(samples, texts_of(metadata), bytes);
     if (!why.empty()) throw Error(ErrorCode::cannot_write, "PNG picture", "cannot encode: " + why);
     return bytes;
+}
+
+}  // namespace
+
+Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
+                 const ImageMetadata& metadata) {
+    check_samples("encode_png", width, height, 3, rgb.size());
+    return encoded_png({width, height, 3, 8, rgb.data()}, metadata);
+}
+
+Bytes encode_png_rgba(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba, const ImageMetadata& metadata) {
+    check_samples("encode_png_rgba", width, height, 4, rgba.size());
+    return encoded_png({width, height, 4, 8, rgba.data()}, metadata);
+}
+
+Bytes encode_png_16(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> rgb, const ImageMetadata& metadata) {
+    check_samples("encode_png_16", width, height, 3, rgb.size());
+    return encoded_png({width, height, 3, 16, reinterpret_cast<const std::uint8_t*>(rgb.data())}, metadata);
+}
+
+Bytes encode_hdr(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgbe, const ImageMetadata& metadata) {
+    check_samples("encode_hdr", width, height, 4, rgbe.size());
+    return write_hdr(width, height, rgbe, texts_of(metadata));
+}
+
+Bytes encode_ktx2(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> rgba, const ImageMetadata& metadata) {
+    check_samples("encode_ktx2", width, height, 4, rgba.size());
+    return write_ktx2(width, height, rgba, texts_of(metadata));
 }
 
 bool image_library_is_loaded() { return module_is_loaded; }

@@ -1,5 +1,5 @@
 /// Pictures: decode what scenes bring (PNG, JPEG, WebP, Radiance HDR, OpenEXR) and encode what a bake publishes
-/// (OpenEXR, 8-bit PNG).
+/// (OpenEXR, PNG, Radiance HDR, KTX 2.0).
 ///
 /// PNG, JPEG and OpenEXR are read and written with their own small libraries. The rest, WebP, Radiance HDR, JPEG in CMYK and OpenEXR
 /// in luminance and chroma, is read by OpenImageIO, which costs 0.17 s and 130 MB per process: it lives in a module
@@ -93,6 +93,17 @@ ExrSample exr_sample_for(std::span<const float> values);
 /// `rgb` has width * height * 3 bytes, row 0 at the top.
 Bytes encode_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
                  const ImageMetadata& metadata);
+/// The same with alpha (width * height * 4 bytes), and with 16 bits a sample (width * height * 3 samples).
+Bytes encode_png_rgba(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba, const ImageMetadata& metadata);
+Bytes encode_png_16(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> rgb, const ImageMetadata& metadata);
+
+/// Radiance HDR, run-length coded: `rgbe` has 4 bytes a pixel, three mantissas and their exponent, row 0 at the top; a channel
+/// is mantissa * 2^(exponent - 136), and 0 where the exponent is 0. Metadata as comments of the header.
+/// Source: G. Ward, Real Pixels, Graphics Gems II (1991); the file format as the Radiance project documents it.
+Bytes encode_hdr(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgbe, const ImageMetadata& metadata);
+
+/// KTX 2.0 with one level of half floats, as ktx2_file.md says. `rgba` has width * height * 4 halves, row 0 at the top.
+Bytes encode_ktx2(std::uint32_t width, std::uint32_t height, std::span<const std::uint16_t> rgba, const ImageMetadata& metadata);
 
 /// Has the module been loaded by this process? (For tests of the promise above.)
 bool image_library_is_loaded();

@@ -147,19 +147,21 @@ class PngWriter {
 };
 
 struct PngContents {
-    std::uint32_t width, height;
-    const std::uint8_t* rgb;
+    PngSamples samples;
     std::vector<png_text> texts;
 };
 
 void write_all(png_structp png, png_infop info, void* data) {
     const auto& contents = *static_cast<const PngContents*>(data);
-    png_set_IHDR(png, info, contents.width, contents.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    const PngSamples& samples = contents.samples;
+    png_set_IHDR(png, info, samples.width, samples.height, samples.bits, samples.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, 6);
     png_set_text(png, info, contents.texts.data(), static_cast<int>(contents.texts.size()));
     png_write_info(png, info);
-    for (std::uint32_t y = 0; y < contents.height; ++y) png_write_row(png, contents.rgb + std::size_t{y} * contents.width * 3);
+    if (samples.bits == 16) png_set_swap(png);  // the file has the high byte first
+    const std::size_t row_bytes = std::size_t{samples.width} * static_cast<std::size_t>(samples.channels * samples.bits / 8);
+    for (std::uint32_t y = 0; y < samples.height; ++y) png_write_row(png, samples.first + y * row_bytes);
     png_write_end(png, info);
 }
 
@@ -169,10 +171,9 @@ std::string decode_png(ByteView bytes, const ImageLimits& limits, ImagePixels& o
     return guarded([&] { return decode_body(bytes, limits, out); });
 }
 
-std::string write_png(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb,
-                      const std::vector<std::pair<std::string, std::string>>& texts, Bytes& out) {
+std::string write_png(const PngSamples& samples, const std::vector<std::pair<std::string, std::string>>& texts, Bytes& out) {
     return guarded([&]() -> std::string {
-        PngContents contents{width, height, rgb.data(), {}};
+        PngContents contents{samples, {}};
         for (const auto& [name, text] : texts) {
             png_text chunk{};
             chunk.compression = PNG_TEXT_COMPRESSION_NONE;
