@@ -92,6 +92,7 @@ BakeReport bake(const BakeOptions& options) {
                                                                .previews = options.preview_s > 0,
                                                                .seam_bytes = seam_join_bytes(geometry->seams),
                                                                .layer_bytes_per_texel = layer_bytes_per_texel(options.layers),
+                                                               .picture_bytes_per_texel = picture_bytes_per_texel(options),
                                                                .sky_width = geometry->scene.sky.width,
                                                                .sky_height = geometry->scene.sky.height,
                                                                .has_tinting_panes = has_tinting_panes(geometry->scene)});

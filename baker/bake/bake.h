@@ -12,7 +12,7 @@
 #include "baker/core/stop.h"
 #include "baker/light/interpolate.h"
 #include "baker/output/layers.h"
-#include "baker/output/lightmap_encode.h"
+#include "baker/output/viewer_profile.h"
 #include "baker/scene/value_check.h"
 #include "baker/solver/solve.h"
 #include "baker/unwrap/unwrap.h"
@@ -80,7 +80,10 @@ struct BakeOptions {
     std::uint32_t share_texels = 8;   ///< radius over which gathered light may be shared, 0: not (light/share_light.h), at most 8
     Interpolation interpolation = Interpolation::linear;
     SeamMode seams = SeamMode::join;
-    LightmapEncoding encoding = LightmapEncoding::srgb8;
+    LightmapFormat format = LightmapFormat::png8;          ///< of the pages in the model (output/page_picture.h)
+    LightmapEncoding encoding = LightmapEncoding::srgb8;   ///< of png8
+    bool dither = true;                                    ///< of png8
+    ViewerProfile profile = ViewerProfile::three;          ///< for whom the model's materials are made
     std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers
     std::uint64_t seed = 0;
 

@@ -42,7 +42,7 @@ constexpr std::uint64_t accuracy_bytes_per_patch = 420;
 /// Light of patches that are spread over texels: as the solver has it in double, and with the lamps in float.
 /// Beside them the links between neighbours (light/cell_links.h).
 constexpr std::uint64_t bytes_per_shown_patch = 24 + 12 + 16;
-/// A page on its way out: its picture, 8 bit RGB, and the encoders' copies of them.
+/// A page on its way out: its picture, its codes, and the encoders' copies of them (output/page_picture.h).
 constexpr std::uint64_t bytes_per_page_texel = page_image_bytes_per_texel + 3 + 24;
 /// Of gathering: what the solve leaves and was given (200), where light comes from (light/light_guide.h), radiosity, irradiance, noise.
 constexpr std::uint64_t gather_bytes_per_patch = 200 + 280 + 36 + 24;
@@ -68,7 +68,8 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
     const std::uint64_t page_texels = std::uint64_t{demand.page_size} * demand.page_size;
     // The lightmap is gone when its layers come.
     const std::uint64_t page = page_texels * std::max(bytes_per_page_texel, demand.layer_bytes_per_texel);
-    const std::uint64_t pictures = page + demand.patch_count * bytes_per_shown_patch;
+    const std::uint64_t kept_pictures = page_texels * demand.page_count * demand.picture_bytes_per_texel;
+    const std::uint64_t pictures = page + kept_pictures + demand.patch_count * bytes_per_shown_patch;
     const std::uint64_t writing = pictures + demand.seam_bytes;
     const std::uint64_t vectors = std::max(demand.patch_count * accuracy_bytes_per_patch,
                                            demand.patch_count * solve_bytes_per_patch(demand.solver) +

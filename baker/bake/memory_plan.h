@@ -26,6 +26,7 @@ struct MemoryDemand {
     bool previews = false;                  ///< pictures are written while the light is solved
     std::uint64_t seam_bytes = 0;           ///< of joining seams (output/seam_join.h), before the pictures are written
     std::uint64_t layer_bytes_per_texel = 0;  ///< of what is written beside the lightmap (output/layers.h)
+    std::uint64_t picture_bytes_per_texel = 0;  ///< of each page's picture, kept until the model is written
     std::uint32_t sky_width = 0, sky_height = 0;  ///< pixels of the sky; 0: there is none
     bool has_tinting_panes = false;               ///< light/pane_colour.h
 };

@@ -8,6 +8,7 @@
 
 #include "baker/bake/verify.h"
 #include "baker/formfactors/closure.h"
+#include "baker/output/picture_error.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -28,6 +29,7 @@ struct StopReport {
 struct OutputReport {
     std::string path, kind, quantity, unit, encoding;
     double intensity = 1;
+    std::optional<PictureError> error{};  ///< of a picture in the model, against the float page
 };
 
 /// What gathering found at the texels that have light of their own (light/texel_light.h).

@@ -3,6 +3,7 @@
 #include "baker/bake/instance_layouts.h"
 #include "baker/bake/seam_stage.h"
 #include "baker/output/page_layers.h"
+#include "baker/output/page_picture.h"
 #include "baker/output/sidecar.h"
 #include "formats/base/file.h"
 #include "formats/gltf/gltf_out.h"
@@ -36,7 +37,8 @@ class Writer {
         sidecar_.state = light_.state;
         sidecar_.model = options_.output.filename().string();
         sidecar_.texels_per_metre = static_cast<double>(g_.atlas.texels_per_metre);
-        lightmaps_.encoding = encoding_name(options_.encoding);
+        sidecar_.profile = viewer_profile_info(options_.profile).name;
+        lightmaps_.meaning = meaning();
         for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
             const std::vector<std::uint8_t> mask = write_page(page);
             if (!options_.layers.empty() && light_.state != "preview") write_layers(page, mask);
@@ -45,6 +47,7 @@ class Writer {
         lightmaps_.instances = instance_layouts(g_);
         const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_);
         for (const auto& file : written.files) written_.add(file);
+        for (std::size_t page = 0; page < sidecar_.pages.size(); ++page) sidecar_.pages[page].picture.file = written.page_files[page];
         report_.warnings.insert(report_.warnings.end(), written.warnings.begin(), written.warnings.end());
         report_.outputs.push_back({options_.output.string(), "model", "", "", "", 1});
         const auto sidecar = sidecar_path(options_.output);
@@ -55,29 +58,43 @@ class Writer {
     }
 
   private:
+    [[nodiscard]] LightmapMeaning meaning() const {
+        const LightmapFormatInfo& format = lightmap_format_info(options_.format);
+        const ViewerProfileInfo& profile = viewer_profile_info(options_.profile);
+        LightmapMeaning meaning;
+        meaning.encoding = encoding_of(options_.format, options_.encoding);
+        meaning.format = format.name;
+        meaning.profile = profile.name;
+        meaning.lit_scale = profile.lit_scale;
+        meaning.unlit_scale = profile.unlit_scale;
+        meaning.suffix = format.suffix;
+        meaning.mime_type = format.mime_type;
+        if (format.texture_extension) meaning.texture_extension = format.texture_extension;
+        meaning.is_embedded = !format.texture_extension || embeds_foreign_pictures(options_.profile);
+        return meaning;
+    }
+
     /// Returns which texels have a value.
     std::vector<std::uint8_t> write_page(std::uint32_t page) {
         const std::uint32_t size = g_.atlas.page_size;
         PageImage image = page_image(options_, g_, light_, page);
         seams_.put_into(page, size, image);
-        const EncodedPage encoded = encode_lightmap(image.values, image.mask, options_.encoding);
         const std::string name = "lightmap" + std::to_string(page);
         auto exr = options_.output;
         exr.replace_extension(name + ".exr");
         publish_file(exr, lightmap_exr(image.values, image.mask, size, size, options_.software));
         written_.add(exr);
         report_.outputs.push_back({exr.string(), "lightmap", "irradiance", "lux", "linear", 1});
-        const std::string encoding = encoding_name(options_.encoding);
-        lightmaps_.pages.push_back({name + "." + encoding,
-                                    lightmap_png(encoded, options_.encoding, size, size, options_.software),
-                                    encoded.intensity});
-        report_.outputs.push_back({options_.output.string() + "#" + name + "." + encoding, "lightmap", "irradiance", "lux",
-                                   encoding, encoded.intensity});
+        PagePicture picture = page_picture(image.values, image.mask, size, size, {options_.format, options_.encoding, options_.dither, options_.software});
+        const std::string encoding = lightmaps_.meaning.encoding, title = name + "." + encoding;
+        lightmaps_.meaning.range = picture.range;
+        report_.outputs.push_back({options_.output.string() + "#" + title, "lightmap", "irradiance", "lux", encoding, picture.intensity, picture.error});
         SidecarPage entry;
         entry.width = entry.height = size;
         entry.exr = {exr.filename().string(), "", "linear", 1};
-        entry.png = {"", name + "." + encoding, encoding, encoded.intensity};
+        entry.picture = {"", title, encoding, picture.intensity, lightmaps_.meaning.format, picture.range, picture.error};
         sidecar_.pages.push_back(entry);
+        lightmaps_.pages.push_back({title, std::move(picture.file), picture.intensity});
         return std::move(image.mask);
     }
 
@@ -111,6 +128,10 @@ class Writer {
 };
 
 }  // namespace
+
+std::uint64_t picture_bytes_per_texel(const BakeOptions& options) {
+    return lightmap_format_info(options.format).bytes_per_texel;
+}
 
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
                                const JoinedSeams& seams, const ProgressFunction& progress) {

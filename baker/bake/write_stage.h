@@ -11,11 +11,14 @@ struct WrittenOutputs {
     std::vector<Warning> warnings;
 };
 
-/// Writes `<stem>.lightmap<page>.exr`, the glTF with its 8-bit pages, and `<output>.lightmaps.json`; with BakeOptions::layers
+/// Writes `<stem>.lightmap<page>.exr`, the glTF with its pages in BakeOptions::format, and `<output>.lightmaps.json`; with BakeOptions::layers
 /// `<stem>.aov<page>.exr` too, but not for previews. Layers of light that is not known are left out, with a warning. On an error the files
 /// that this call has written are removed again.
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
                                const JoinedSeams& seams, const ProgressFunction& progress);
+
+/// At most, of the pictures that are kept until a model is written: all of its pages.
+std::uint64_t picture_bytes_per_texel(const BakeOptions& options);
 
 /// The same as stage "write", after joining the seams if that is wanted.
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,

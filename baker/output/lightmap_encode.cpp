@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "baker/output/ordered_dither.h"
+
 namespace luxel {
 namespace {
 
@@ -53,6 +55,16 @@ std::uint8_t nearest_byte(double share, const ByteTable& table) {
                                      table.upper.begin());
 }
 
+/// The byte below or above: the one above in the share of places that makes the mean right.
+std::uint8_t dithered_byte(double share, double threshold, const ByteTable& table) {
+    const auto above = std::upper_bound(table.value.begin(), table.value.end(), share);
+    if (above == table.value.end()) return 255;
+    if (above == table.value.begin()) return 0;
+    const double low = above[-1], high = *above;
+    const auto byte = static_cast<std::uint8_t>(above - table.value.begin() - 1);
+    return share - low > threshold * (high - low) ? static_cast<std::uint8_t>(byte + 1) : byte;
+}
+
 ImageMetadata metadata_of(const std::string& encoding, double intensity, const std::string& software) {
     ImageMetadata metadata;
     metadata.quantity = "irradiance";
@@ -95,22 +107,44 @@ LightmapEncoding parse_encoding(const std::string& name) {
     throw Error(ErrorCode::usage, "lightmap encoding", "expected srgb8 or linear8, found \"" + name + "\"");
 }
 
-EncodedPage encode_lightmap(std::span<const Rgb> irradiance, std::span<const std::uint8_t> mask,
-                            LightmapEncoding encoding) {
+double largest_light(std::span<const Rgb> irradiance, std::span<const std::uint8_t> mask) {
     check_sizes(irradiance.size(), mask.size(), irradiance.size());
-    EncodedPage page;
     const float largest = largest_channel(irradiance, mask);
-    page.intensity = largest > 0 ? static_cast<double>(largest) : 1.0;
-    page.rgb.assign(irradiance.size() * 3, 0);
+    return largest > 0 ? static_cast<double>(largest) : 1.0;
+}
+
+namespace {
+
+EncodedPage encode_scaled(std::span<const Rgb> values, std::span<const std::uint8_t> mask, double intensity, LightmapEncoding encoding,
+                          std::uint32_t dither_width) {
+    EncodedPage page;
+    page.intensity = intensity;
+    page.rgb.assign(values.size() * 3, 0);
     const ByteTable& table = table_of(encoding);
-    for (std::size_t texel = 0; texel < irradiance.size(); ++texel) {
+    for (std::size_t texel = 0; texel < values.size(); ++texel) {
         if (!mask[texel]) continue;
+        const double threshold =
+            dither_width ? dither_threshold(static_cast<std::uint32_t>(texel % dither_width), static_cast<std::uint32_t>(texel / dither_width)) : 0;
         for (int channel = 0; channel < 3; ++channel) {
-            const double share = static_cast<double>(irradiance[texel][channel]) / page.intensity;
-            page.rgb[3 * texel + static_cast<std::size_t>(channel)] = nearest_byte(share, table);
+            const double share = static_cast<double>(values[texel][channel]) / intensity;
+            page.rgb[3 * texel + static_cast<std::size_t>(channel)] =
+                dither_width ? dithered_byte(share, threshold, table) : nearest_byte(share, table);
         }
     }
     return page;
+}
+
+}  // namespace
+
+EncodedPage encode_lightmap(std::span<const Rgb> irradiance, std::span<const std::uint8_t> mask,
+                            LightmapEncoding encoding, std::uint32_t dither_width) {
+    return encode_scaled(irradiance, mask, largest_light(irradiance, mask), encoding, dither_width);
+}
+
+EncodedPage encode_shares(std::span<const Rgb> shares, std::span<const std::uint8_t> mask, LightmapEncoding encoding,
+                          std::uint32_t dither_width) {
+    check_sizes(shares.size(), mask.size(), shares.size());
+    return encode_scaled(shares, mask, 1, encoding, dither_width);
 }
 
 double decode_lightmap_byte(std::uint8_t byte, LightmapEncoding encoding) { return table_of(encoding).value[byte]; }

@@ -4,6 +4,9 @@
 /// value, so nothing is clipped; 1 for a page without light. A byte is the one whose decoded value is nearest (the
 /// smaller one on a tie), so the error of a texel is at most half a step: intensity / 510 for linear8, and for srgb8 at
 /// most intensity * 0.0046 at the bright end, and below intensity * 0.00016 at the dark end.
+/// Dithered, a value between two bytes becomes one or the other by its place in the page (ordered_dither.h), so that the mean of the
+/// decoded values over an even surface is the value; the error of a texel is then below a whole step. What a byte stands for
+/// exactly, such as 0 and the largest value, stays.
 /// The tables are computed with + - * / only, so the bytes do not depend on a machine's mathematical library.
 ///
 /// Errors   Error{internal} on values that are not finite, or on sizes that do not fit. Negative values become 0.
@@ -36,9 +39,16 @@ struct EncodedPage {
     double intensity = 1;           ///< > 0, exactly a float
 };
 
-/// mask: 0 where a texel has no value (dilate.h).
+/// mask: 0 where a texel has no value (dilate.h). dither_width: 0 takes the nearest byte; else dithered, rows of that many texels.
 EncodedPage encode_lightmap(std::span<const Rgb> irradiance, std::span<const std::uint8_t> mask,
-                            LightmapEncoding encoding);
+                            LightmapEncoding encoding, std::uint32_t dither_width = 0);
+
+/// The same of values that are shares already, 0..1: intensity 1.
+EncodedPage encode_shares(std::span<const Rgb> shares, std::span<const std::uint8_t> mask, LightmapEncoding encoding,
+                          std::uint32_t dither_width = 0);
+
+/// The largest channel of all texels with a value; 1 for a page without light. Throws as said above.
+double largest_light(std::span<const Rgb> irradiance, std::span<const std::uint8_t> mask);
 
 /// Share of the intensity that a byte stands for, 0..1.
 double decode_lightmap_byte(std::uint8_t byte, LightmapEncoding encoding);

@@ -14,8 +14,12 @@ Json picture_json(const SidecarPicture& picture) {
     Json json = Json::object();
     if (!picture.name.empty()) json["name"] = picture.name;
     if (!picture.file.empty()) json["uri"] = encode_percent(picture.file);
+    if (!picture.format.empty()) json["format"] = picture.format;
     json["encoding"] = picture.encoding;
+    if (picture.range > 0) json["range"] = picture.range;
     json["intensity"] = picture.intensity;
+    if (picture.error)
+        json["error"] = {{"median", picture.error->median}, {"p95", picture.error->p95}, {"largest", picture.error->largest}};
     return json;
 }
 
@@ -46,14 +50,17 @@ Bytes sidecar_text(const Sidecar& sidecar) {
                      {"height", page.height},
                      {"quantity", page.quantity},
                      {"unit", page.unit}};
-        for (const auto& [key, picture] : {std::pair{"exr", &page.exr}, std::pair{"png", &page.png}})
+        for (const auto& [key, picture] : {std::pair{"exr", &page.exr}, std::pair{"picture", &page.picture}})
             if (!picture->file.empty() || !picture->name.empty()) json[key] = picture_json(*picture);
+        const bool is_png = page.picture.format == "png8" || page.picture.format == "png16" || page.picture.format == "rgbm";
+        if (is_png && json.contains("picture")) json["png"] = json["picture"];
         if (!page.layer_file.empty()) json["layers"] = layers_json(page);
         pages.push_back(std::move(json));
     }
     Json root = {{"schema", 1}, {"generator", sidecar.generator}};
     if (!sidecar.state.empty()) root["state"] = sidecar.state;
     root["model"] = sidecar.model;
+    if (!sidecar.profile.empty()) root["profile"] = sidecar.profile;
     root["texCoord"] = sidecar.uv_set;
     root["texelsPerMetre"] = sidecar.texels_per_metre;
     root["pages"] = std::move(pages);

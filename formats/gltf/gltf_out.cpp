@@ -125,12 +125,12 @@ GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& do
     files.take_pictures_along(record);
     std::vector<std::uint64_t> images;
     for (std::size_t page = 0; page < lightmaps.pages.size(); ++page)
-        images.push_back(files.add_picture(lightmaps.pages[page].name, ".lightmap" + std::to_string(page) + ".png",
-                                           "image/png", lightmaps.pages[page].png));
+        images.push_back(files.add_page(page, lightmaps.pages[page], lightmaps.meaning));
     LightmapMaterials materials(model, lightmaps, images);
     prune_arrays(model, rewrite_meshes(model, record, lightmaps, materials));
     add_note(model.root, lightmaps.version);
     GltfWritten written;
+    for (const std::uint64_t image : images) written.page_files.push_back(files.file_of(image));
     written.files = files.write();
     written.warnings = std::move(model.warnings);
     return written;

@@ -4,8 +4,10 @@
 ///          and the bytes of their pictures, all attributes (also custom ones, joints, weights, morph targets) in their
 ///          component types, unused materials. Points, lines, and meshes without a layout stay as they are.
 /// Added    TEXCOORD_1 with the lightmap layout; per (material, page, place) a clone of the material with MOZ_lightmap
-///          { index, texCoord: 1, intensity, extras: { quantity, unit, encoding } }; a texture and a picture per page;
-///          asset.extras.luxel { version }. "MOZ_lightmap" goes to extensionsUsed, never to extensionsRequired.
+///          { index, texCoord: 1, intensity, extras } (docs/lightmap-formats.md); a texture and a picture per page;
+///          asset.extras.luxel { version }. "MOZ_lightmap" goes to extensionsUsed, never to extensionsRequired. A picture that
+///          glTF does not know is named by a texture extension, and lies beside the model: as `uri` without mimeType, and with the
+///          extension on the image too, it is what validators pass over, where inside a GLB they warn of its kind.
 /// Copies   Instances with one layout at different places share all arrays: coordinates are those of the layout, and the place
 ///          is a KHR_texture_transform { offset, scale } of the clone's MOZ_lightmap. Copies by EXT_mesh_gpu_instancing share
 ///          the material too: their places are its attributes _LIGHTMAP_OFFSET and _LIGHTMAP_SCALE (VEC2, float), the names
@@ -59,19 +61,31 @@ struct InstanceLayout {
 
 struct LightmapPicture {
     std::string name;      ///< of texture and picture, "lightmap0.srgb8"
-    Bytes png;             ///< embedded or written as a file beside a .gltf
-    double intensity = 1;  ///< MOZ_lightmap intensity
+    Bytes file;
+    double intensity = 1;  ///< irradiance = decode(sample) * intensity
+};
+
+/// The same for all pages.
+struct LightmapMeaning {
+    std::string quantity = "irradiance", unit = "lux", encoding = "srgb8", format = "png8", profile = "three";
+    double range = 0;  ///< of encodings that have one, else 0
+    /// MOZ_lightmap intensity = LightmapPicture::intensity * this, for lit materials and for those with KHR_materials_unlit.
+    double lit_scale = 1, unlit_scale = 1;
+    std::string suffix = ".png", mime_type = "image/png";  ///< of the pictures: ".lightmap0" + suffix
+    std::string texture_extension;                         ///< that names the picture; empty: glTF knows its kind
+    bool is_embedded = true;                               ///< inside a GLB; else beside it
 };
 
 struct GltfLightmaps {
     std::vector<LightmapPicture> pages;
     std::vector<InstanceLayout> instances;  ///< as SceneRecord::instances; those with gpu_instance >= 0 and a place lie on one page each
-    std::string quantity = "irradiance", unit = "lux", encoding = "srgb8";
+    LightmapMeaning meaning;
     std::string version;  ///< of luxel
 };
 
 struct GltfWritten {
     std::vector<std::filesystem::path> files;  ///< the model first
+    std::vector<std::string> page_files;       ///< per page: its file beside the model; empty: inside
     std::vector<Warning> warnings;
 };
 

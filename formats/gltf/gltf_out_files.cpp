@@ -88,19 +88,24 @@ std::string ModelFiles::free_name(const std::string& suffix) const {
     return stem + suffix;
 }
 
-std::uint64_t ModelFiles::add_picture(const std::string& name, const std::string& file_suffix,
-                                      const std::string& mime_type, ByteView bytes) {
-    json image = {{"name", name}};
-    if (is_text_) {
-        const std::string file = free_name(file_suffix);
+std::uint64_t ModelFiles::add_page(std::size_t page, const LightmapPicture& picture, const LightmapMeaning& meaning) {
+    json image = {{"name", picture.name}};
+    std::string file;
+    if (is_text_ || !meaning.is_embedded) {
+        file = free_name(".lightmap" + std::to_string(page) + meaning.suffix);
         image["uri"] = encode_percent(file);
-        pictures_.push_back({path_.parent_path() / file, {bytes}});
+        pictures_.push_back({path_.parent_path() / file, {picture.file}});
     } else {
-        image["mimeType"] = mime_type;
-        image["bufferView"] = model_.append_view({-1, bytes, {}});
+        image["mimeType"] = meaning.mime_type;
+        image["bufferView"] = model_.append_view({-1, picture.file, {}});
     }
-    return model_.append("images", std::move(image));
+    if (!meaning.texture_extension.empty()) image["extensions"][meaning.texture_extension] = json::object();
+    const std::uint64_t index = model_.append("images", std::move(image));
+    page_files_[index] = file;
+    return index;
 }
+
+std::string ModelFiles::file_of(std::uint64_t image) const { return page_files_.at(image); }
 
 void ModelFiles::take_pictures_along(const SceneRecord& record) {
     const bool stays = is_text_ && real_path(path_.parent_path()) == real_path(model_.document.folder);
@@ -191,8 +196,8 @@ void ModelFiles::lay_out_views() {
 
 void ModelFiles::add_body(std::vector<File>& files) {
     const auto dump = [&](int indent) { return model_.root.dump(indent, ' ', false, json::error_handler_t::replace); };
+    files.insert(files.end(), pictures_.begin(), pictures_.end());
     if (is_text_) {
-        files.insert(files.end(), pictures_.begin(), pictures_.end());
         if (body_bytes_) {
             const std::string file = free_name(".bin");
             model_.root["buffers"][0]["uri"] = encode_percent(file);

@@ -5,10 +5,12 @@
 /// that this call has already renamed are removed.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "formats/gltf/gltf_out.h"
 #include "formats/gltf/gltf_out_model.h"
 #include "formats/gltf/scene_record.h"
 
@@ -18,9 +20,10 @@ class ModelFiles {
   public:
     ModelFiles(std::filesystem::path path, OutputModel& model);
 
-    /// Adds a picture that is not in the model yet; `bytes` must outlive write(). Returns its image index.
-    std::uint64_t add_picture(const std::string& name, const std::string& file_suffix, const std::string& mime_type,
-                              ByteView bytes);
+    /// Adds the picture of a page; its bytes must outlive write(). Returns its image index.
+    std::uint64_t add_page(std::size_t page, const LightmapPicture& picture, const LightmapMeaning& meaning);
+    /// Name of the file that an image of add_page() goes to; empty: inside the model.
+    [[nodiscard]] std::string file_of(std::uint64_t image) const;
     /// Takes pictures outside the file along: into a GLB, or beside a .gltf in another folder. Those which cannot be
     /// read keep their URI; a warning says so.
     void take_pictures_along(const SceneRecord& record);
@@ -45,6 +48,7 @@ class ModelFiles {
     bool is_text_;
     std::set<std::filesystem::path> input_files_;
     std::vector<File> pictures_;
+    std::map<std::uint64_t, std::string> page_files_;  ///< by image
     std::vector<ByteView> body_;  ///< views and padding, in order
     std::uint64_t body_bytes_ = 0;
     std::vector<Bytes> kept_;  ///< bytes that nobody else owns

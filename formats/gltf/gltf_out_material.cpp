@@ -54,9 +54,13 @@ LightmapMaterials::LightmapMaterials(OutputModel& model, const GltfLightmaps& li
     constexpr int linear = 9729, clamp_to_edge = 33071;
     const std::uint64_t sampler = model.append(
         "samplers", {{"magFilter", linear}, {"minFilter", linear}, {"wrapS", clamp_to_edge}, {"wrapT", clamp_to_edge}});
-    for (std::size_t page = 0; page < images.size(); ++page)
-        textures_.push_back(model.append(
-            "textures", {{"name", lightmaps.pages[page].name}, {"sampler", sampler}, {"source", images[page]}}));
+    const std::string& extension = lightmaps.meaning.texture_extension;
+    for (std::size_t page = 0; page < images.size(); ++page) {
+        json texture = {{"name", lightmaps.pages[page].name}, {"sampler", sampler}};
+        (extension.empty() ? texture : texture["extensions"][extension])["source"] = images[page];
+        textures_.push_back(model.append("textures", std::move(texture)));
+    }
+    if (!extension.empty()) use_extension(model.root, extension);
 }
 
 const json& LightmapMaterials::source(std::int64_t material) const {
@@ -71,11 +75,16 @@ std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page
     if (const auto known = clones_.find(key); known != clones_.end()) return known->second;
     json copy = source(material);
     if (moved_uv_set) change_uv_set(copy, 1, moved_uv_set);
-    copy["extensions"][lightmap_extension] = {
-        {"index", textures_[page]},
-        {"texCoord", 1},
-        {"intensity", lightmaps_.pages[page].intensity},
-        {"extras", {{"quantity", lightmaps_.quantity}, {"unit", lightmaps_.unit}, {"encoding", lightmaps_.encoding}}}};
+    const LightmapMeaning& meaning = lightmaps_.meaning;
+    const bool is_unlit = copy.contains("extensions") && copy["extensions"].contains("KHR_materials_unlit");
+    const double scale = is_unlit ? meaning.unlit_scale : meaning.lit_scale;
+    json extras = {{"quantity", meaning.quantity}, {"unit", meaning.unit},       {"encoding", meaning.encoding},
+                   {"format", meaning.format},     {"profile", meaning.profile}, {"irradianceFactor", 1 / scale}};
+    if (meaning.range > 0) extras["range"] = meaning.range;
+    copy["extensions"][lightmap_extension] = {{"index", textures_[page]},
+                                              {"texCoord", 1},
+                                              {"intensity", lightmaps_.pages[page].intensity * scale},
+                                              {"extras", std::move(extras)}};
     if (!place.is_identity()) {
         copy["extensions"][lightmap_extension]["extensions"]["KHR_texture_transform"] = {
             {"offset", {place.offset.x, place.offset.y}}, {"scale", {place.scale.x, place.scale.y}}};

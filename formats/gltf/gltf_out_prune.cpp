@@ -106,6 +106,8 @@ bool is_known(std::string_view name) {
                                "KHR_node_visibility",
                                "MSFT_lod",
                                "MOZ_lightmap",
+                               "MOZ_texture_rgbe",
+                               "EXT_texture_exr",
                                "MOZ_hubs_components"};
     for (const char* one : known)
         if (name == one) return true;

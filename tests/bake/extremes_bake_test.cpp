@@ -63,7 +63,8 @@ void expect_sidecar_restores(const BakeOptions& options, const BakeReport& repor
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto byte = static_cast<std::uint8_t>(std::lround(255 * static_cast<double>(bytes.pixels[k][c])));
                 const double restored = decode_lightmap_byte(byte, options.encoding) * intensity;
-                ASSERT_NEAR(restored, static_cast<double>(pages[p].pixels[k][c]), 0.0047 * intensity);
+                // A whole step, as bytes are dithered.
+                ASSERT_NEAR(restored, static_cast<double>(pages[p].pixels[k][c]), 0.0093 * intensity);
             }
     }
 }

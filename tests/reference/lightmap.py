@@ -1,10 +1,12 @@
 """Reads the lightmaps of a baked glTF, and finds what a texel covers.
 
-Values come from the float pages that `<baked>.lightmaps.json` lists, else from the 8-bit pictures inside the file.
+Values come from the float pages that `<baked>.lightmaps.json` lists, else from the pictures of the model, in any format but ktx2
+(docs/lightmap-formats.md).
 Texel (x, y) of a page covers [x, x+1) x [y, y+1), y downwards, as glTF's V does.
 """
 import json
 import os
+import tempfile
 import urllib.parse
 
 import numpy as np
@@ -14,21 +16,41 @@ from gltf_scene import texture_use
 LATTICE = (0.7548776662466927, 0.5698402909980532)   # 1/p, 1/p^2 of the plastic number p: M. Roberts, the R2 sequence
 
 
-def read_exr(path):
+def read_picture(path, channels="RGB"):
+    """Samples as floats, (height, width, channels): those of whole numbers divided by their largest."""
     import OpenImageIO as oiio
-    picture = oiio.ImageInput.open(path)
+    wanted = oiio.ImageSpec()
+    wanted["oiio:UnassociatedAlpha"] = 1
+    picture = oiio.ImageInput.open(path, wanted)
     if picture is None:
         raise OSError(f"{path}: {oiio.geterror()}")
     spec = picture.spec()
     names = list(spec.channelnames)
     values = np.asarray(picture.read_image("float"), np.float64).reshape(spec.height, spec.width, spec.nchannels)
     picture.close()
-    return values[..., [names.index(c) for c in "RGB"]]
+    return values[..., [names.index(c) for c in channels]]
 
 
-def decode(bytes_, encoding):
-    v = bytes_ / 255.0
-    return v if encoding.startswith("linear") else np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
+def read_exr(path):
+    return read_picture(path)
+
+
+def decode(samples, encoding, scale=1.0):
+    """What samples in 0..1 (floats: as they are) stand for, before the intensity. scale: the range of rgbm8."""
+    if encoding == "rgbm8":
+        return samples[..., :3] * samples[..., 3:] * scale
+    if encoding == "srgb8":
+        return np.where(samples <= 0.04045, samples / 12.92, ((samples + 0.055) / 1.055) ** 2.4)
+    if encoding in ("linear8", "linear16", "rgbe8", "half"):
+        return samples
+    raise ValueError(f"unknown encoding {encoding}")
+
+
+def source_of(texture):
+    """The image that a texture of ours shows: its own, or the one that its extension names."""
+    if "source" in texture:
+        return texture["source"]
+    return next(e["source"] for e in texture["extensions"].values() if "source" in e)
 
 
 class Lightmaps:
@@ -42,7 +64,10 @@ class Lightmaps:
         self.listed = {}
         if os.path.exists(sidecar):
             with open(sidecar, encoding="utf-8") as file:
-                self.listed = {p["png"]["name"]: p for p in json.load(file)["pages"] if "name" in p.get("png", {})}
+                for page in json.load(file)["pages"]:
+                    picture = page.get("picture", page.get("png", {}))
+                    if "name" in picture:
+                        self.listed[picture["name"]] = page
         self.page = np.full(len(scene.material), -1)
         self.uv = np.zeros((len(scene.material), 3, 2))
         for number, material in enumerate(scene.materials):
@@ -58,7 +83,7 @@ class Lightmaps:
 
     def _load(self, use):
         texture = self.scene.document.json["textures"][use["index"]]
-        key = texture["source"]
+        key = source_of(texture)
         if key in self.known:
             return self.known[key]
         image = self.scene.document.json["images"][key]
@@ -67,13 +92,26 @@ class Lightmaps:
             name = os.path.join(os.path.dirname(os.path.abspath(self.path)), urllib.parse.unquote(entry["exr"]["uri"]))
             values, source = read_exr(name) * entry["exr"].get("intensity", 1.0), os.path.basename(name)
         else:
-            encoding = entry["png"]["encoding"] if entry else "srgb8"
-            values = decode(self.scene.document.image(key).astype(float), encoding) * use.get("intensity", 1.0)
-            source = "8-bit picture " + str(image.get("name", key))
+            values, source = self._picture(key, use), "picture " + str(image.get("name", key))
         self.known[key] = len(self.pages)
         self.pages.append(values)
         self.sources.append(source)
         return self.known[key]
+
+    def _picture(self, key, use):
+        """Irradiance from the picture in the model, by what the material says of it."""
+        extras = use.get("extras", {})
+        encoding = extras.get("encoding", "srgb8")
+        document, entry = self.scene.document, self.scene.document.json["images"][key]
+        data = document.from_uri(entry["uri"]) if "uri" in entry else document.view(entry["bufferView"])[0]
+        if extras.get("format") == "ktx2":
+            raise ValueError(f"{self.path}: KTX 2.0 is not read here; keep the float pages and their list beside the model")
+        suffix = {"rgbe": ".hdr", "exr": ".exr"}.get(extras.get("format"), ".png")
+        with tempfile.NamedTemporaryFile(suffix=suffix) as file:
+            file.write(data)
+            file.flush()
+            samples = read_picture(file.name, "RGBA" if encoding == "rgbm8" else "RGB")
+        return decode(samples, encoding, extras.get("range", 1.0)) * use.get("intensity", 1.0) * extras.get("irradianceFactor", 1.0)
 
     def value(self, page, x, y):
         return self.pages[page][y, x]

@@ -15,6 +15,7 @@
 #include "formats/base/file.h"
 #include "tools/luxel/inspect_text.h"
 #include "tools/luxel/interrupt.h"
+#include "tools/luxel/model_options.h"
 #include "tools/luxel/progress_printer.h"
 #include "tools/luxel/printable.h"
 #include "tools/luxel/report_json.h"
@@ -36,9 +37,10 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
-                                encoding = "srgb8", seams = "join", importance = "on", estimator = "ray",
+                                seams = "join", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share";
     std::string sky, sky_color;
+    ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
@@ -154,7 +156,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.error = a.error;
     o.interpolation = *interpolation_of(a.interpolation);
     o.seams = a.seams == "keep" ? SeamMode::keep : SeamMode::join;
-    o.encoding = parse_encoding(a.encoding);
+    resolve_model_options(a.model, command, o);
     if (given("--aov")) o.layers = parse_layers(a.aov, "--aov");
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
@@ -202,7 +204,10 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"tolerance", fmt::format("{}", o.tolerance)},
             {"interpolation", a.interpolation},
             {"seams", a.seams},
-            {"encoding", a.encoding},
+            {"lightmap-format", lightmap_format_info(o.format).name},
+            {"encoding", encoding_of(o.format, o.encoding)},
+            {"dither", a.model.dither},
+            {"profile", a.model.profile},
             {"aov", layer_names(o.layers)},
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},
@@ -221,8 +226,8 @@ void print_summary(const BakeReport& report, const BakeOptions& options) {
     for (const StageReport& stage : report.stages) seconds += stage.seconds;
     const std::string error =
         report.standard_error ? fmt::format("standard error {:.1f} %, ", 100 * *report.standard_error) : std::string();
-    fmt::print("{}: {} triangles, {} texels on {} page{}, {} patches, {} pairs; {}{} to {:.1e} {}; {:.1f} s, {} MB\n",
-               options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s",
+    fmt::print("{}: {} triangles, {} texels on {} page{}{}, {} patches, {} pairs; {}{} to {:.1e} {}; {:.1f} s, {} MB\n",
+               options.output.string(), report.triangles, report.texels, report.pages, report.pages == 1 ? "" : "s", picture_error_text(report, options),
                report.patches, report.pairs, error, report.stopped ? "stopped, solved" : "solved", report.error_bound,
                report.solve_path, seconds, report.peak_bytes >> 20);
 }
@@ -328,8 +333,7 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"share", "split"}))->capture_default_str()->group("Lightmap");
     command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
         ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
-    command.add_option("--encoding", a.encoding, "of the 8-bit pages in the glTF")
-        ->check(CLI::IsMember({"srgb8", "linear8"}))->capture_default_str()->group("Lightmap");
+    add_model_options(command, a.model);
     command.add_option("--aov", a.aov, "layers to write beside the lightmap, separated by commas: " + known_layer_names())
         ->type_name("LIST")->group("Lightmap");
     command.add_option("--blend-colour,--blend-color", a.blend_colour,

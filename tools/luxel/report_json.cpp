@@ -75,9 +75,11 @@ std::string report_json(const BakeReport& r) {
     json& skipped = out["skipped"] = json::array();
     for (const auto& [part, why] : r.skipped) skipped.push_back({{"part", part}, {"why", why}});
     json& outputs = out["outputs"] = json::array();
-    for (const OutputReport& o : r.outputs)
+    for (const OutputReport& o : r.outputs) {
         outputs.push_back({{"path", o.path}, {"kind", o.kind}, {"quantity", o.quantity}, {"unit", o.unit},
                            {"encoding", o.encoding}, {"intensity", o.intensity}});
+        if (o.error) outputs.back()["error"] = {{"median", o.error->median}, {"p95", o.error->p95}, {"largest", o.error->largest}};
+    }
     return out.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 

@@ -81,7 +81,7 @@ def with_float_pages(output):
     import gltfio
     document, blob = gltfio._read_container(output)
     with open(output + ".lightmaps.json", encoding="utf-8") as file:
-        pages = {page["png"]["name"]: page["exr"]["uri"] for page in json.load(file)["pages"]}
+        pages = {page["picture"]["name"]: page["exr"]["uri"] for page in json.load(file)["pages"]}
     for image in document["images"]:
         if image.get("name") in pages:
             name = image["name"]

@@ -64,6 +64,17 @@ TEST(MemoryPlan, LayersTakeThePlaceOfTheLightmap) {
     EXPECT_GE(floor(200), 200 * texels);
 }
 
+TEST(MemoryPlan, PicturesOfAllPagesAreKept) {
+    const auto floor = [&](std::uint32_t pages, std::uint64_t picture_bytes_per_texel) {
+        return plan_memory(std::uint64_t{1} << 40, {.fixed_bytes = 20 * mebibyte, .patch_count = 100, .page_size = 8192, .page_count = pages,
+                                                    .picture_bytes_per_texel = picture_bytes_per_texel})
+            .floor_bytes;
+    };
+    const std::uint64_t texels = std::uint64_t{8192} * 8192;
+    EXPECT_EQ(floor(5, 8) - floor(5, 3), 5 * 5 * texels);
+    EXPECT_EQ(floor(6, 8) - floor(5, 8), 8 * texels);
+}
+
 TEST(MemoryPlan, ConjugateGradientsNeedMoreThanShooting) {
     for (const Size& size : sizes) {
         const std::uint64_t budget = std::uint64_t{1} << 40;

@@ -57,7 +57,8 @@ TEST_F(GltfOut, KeepsEverythingElse) {
     const json& lightmap = clone["extensions"]["MOZ_lightmap"];
     EXPECT_EQ(lightmap["texCoord"], 1);
     EXPECT_EQ(lightmap["intensity"], 2.5);
-    EXPECT_EQ(lightmap["extras"], (json{{"quantity", "irradiance"}, {"unit", "lux"}, {"encoding", "srgb8"}}));
+    EXPECT_EQ(lightmap["extras"], (json{{"quantity", "irradiance"}, {"unit", "lux"}, {"encoding", "srgb8"}, {"format", "png8"}, {"profile", "three"},
+                                        {"irradianceFactor", 1.0}}));
     const json& image =
         out.json["images"][out.json["textures"][lightmap["index"].get<std::size_t>()]["source"].get<std::size_t>()];
     EXPECT_EQ(image["mimeType"], "image/png");

@@ -16,11 +16,12 @@ Sidecar example() {
     sidecar.generator = "luxel 0.1.0";
     sidecar.model = "my hall.glb";
     sidecar.texels_per_metre = 16;
+    sidecar.profile = "plain";
     SidecarPage page;
     page.width = 1024;
     page.height = 512;
     page.exr = {"my hall.lightmap0.exr", "", "linear", 1};
-    page.png = {"", "lightmap0.srgb8", "srgb8", 41.25};
+    page.picture = {"", "lightmap0.srgb8", "srgb8", 41.25, "png8", 0, PictureError{0.25, 0.5, 0.125}};
     sidecar.pages = {page, page};
     return sidecar;
 }
@@ -45,9 +46,23 @@ TEST(Sidecar, SaysWhatIsThere) {
     EXPECT_EQ(page["exr"]["encoding"], "linear");
     EXPECT_EQ(page["exr"]["intensity"], 1.0);
     EXPECT_FALSE(page["exr"].contains("name"));
-    EXPECT_EQ(page["png"]["name"], "lightmap0.srgb8");
-    EXPECT_EQ(page["png"]["intensity"], 41.25);
-    EXPECT_FALSE(page["png"].contains("uri"));
+    EXPECT_EQ(page["picture"], nlohmann::json::parse(R"({"name": "lightmap0.srgb8", "format": "png8", "encoding": "srgb8", "intensity": 41.25,
+                                                         "error": {"median": 0.25, "p95": 0.5, "largest": 0.125}})"));
+    EXPECT_EQ(page["png"], page["picture"]) << "for readers of the time when all pictures were PNG";
+    EXPECT_EQ(json["profile"], "plain");
+}
+
+TEST(Sidecar, PicturesOfOtherKinds) {
+    Sidecar sidecar = example();
+    sidecar.pages[0].picture = {"a b.lightmap0.hdr", "lightmap0.rgbe8", "rgbe8", 2, "rgbe", 0, {}};
+    sidecar.pages[1].picture = {"", "lightmap1.rgbm8", "rgbm8", 3, "rgbm", 8, {}};
+    const Bytes text = sidecar_text(sidecar);
+    const auto json = nlohmann::json::parse(text.begin(), text.end());
+    EXPECT_EQ(json["pages"][0]["picture"], nlohmann::json::parse(R"({"name": "lightmap0.rgbe8", "uri": "a%20b.lightmap0.hdr", "format": "rgbe",
+                                                                     "encoding": "rgbe8", "intensity": 2.0})"));
+    EXPECT_FALSE(json["pages"][0].contains("png"));
+    EXPECT_EQ(json["pages"][1]["picture"]["range"], 8.0);
+    EXPECT_TRUE(json["pages"][1].contains("png"));
 }
 
 TEST(Sidecar, ListsLayers) {

@@ -1,0 +1,31 @@
+#include "baker/output/viewer_profile.h"
+
+#include "formats/base/error.h"
+
+namespace luxel {
+
+const ViewerProfileInfo& viewer_profile_info(ViewerProfile profile) {
+    return all_viewer_profiles[static_cast<std::size_t>(profile)];
+}
+
+ViewerProfile parse_viewer_profile(const std::string& name, const std::string& where) {
+    std::string names;
+    for (const ViewerProfileInfo& info : all_viewer_profiles) {
+        if (name == info.name) return info.profile;
+        names += std::string(names.empty() ? "" : ", ") + info.name;
+    }
+    throw Error(ErrorCode::usage, where, "expected one of " + names + ", found \"" + name + "\"");
+}
+
+void check_profile(ViewerProfile profile, LightmapFormat format, LightmapEncoding byte_encoding) {
+    if (profile != ViewerProfile::hubs) return;
+    if (format != LightmapFormat::png8 && format != LightmapFormat::rgbe)
+        throw Error(ErrorCode::usage, "--lightmap-format",
+                    std::string("expected rgbe or png8 with --profile hubs, whose viewers know no others, found ") + lightmap_format_info(format).name);
+    if (format == LightmapFormat::png8 && byte_encoding != LightmapEncoding::linear8)
+        throw Error(ErrorCode::usage, "--encoding", "expected linear8 with --profile hubs, whose viewers take 8-bit lightmaps as linear, found " + std::string(encoding_name(byte_encoding)));
+}
+
+bool embeds_foreign_pictures(ViewerProfile profile) { return profile == ViewerProfile::hubs; }
+
+}  // namespace luxel

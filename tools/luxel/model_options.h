@@ -1,0 +1,22 @@
+/// The options of how lightmaps go into the model: formats, profiles. Their arguments, and what they mean for a bake.
+#pragma once
+#include <CLI/App.hpp>
+#include <string>
+
+#include "baker/bake/bake.h"
+
+namespace luxel {
+
+struct ModelArguments {
+    std::string format, encoding, dither = "on", profile = "three";  ///< empty: what the profile has
+};
+
+void add_model_options(CLI::App& command, ModelArguments& arguments);
+
+/// Throws Error{usage} on what does not go together.
+void resolve_model_options(const ModelArguments& arguments, const CLI::App& command, BakeOptions& options);
+
+/// " (png8 within 0.4 %, 95 % of texels within 2 %)": of the worst page; empty where nothing was written.
+std::string picture_error_text(const BakeReport& report, const BakeOptions& options);
+
+}  // namespace luxel
