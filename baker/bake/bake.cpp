@@ -7,6 +7,7 @@
 #include "baker/bake/memory_plan.h"
 #include "baker/bake/solve_rounds.h"
 #include "baker/bake/stopping.h"
+#include "baker/bake/unlit_stage.h"
 #include "baker/bake/verify.h"
 #include "baker/bake/write_stage.h"
 #include "baker/core/memory.h"
@@ -31,6 +32,8 @@ void check_paths(const BakeOptions& options) {
     if (std::filesystem::exists(options.output, ignored) &&
         std::filesystem::equivalent(options.input, options.output, ignored))
         throw Error(ErrorCode::usage, options.output.string(), "the output would replace the input", "choose another name");
+    if (options.unlit && std::filesystem::exists(unlit_path(options), ignored) && std::filesystem::equivalent(options.input, unlit_path(options), ignored))
+        throw Error(ErrorCode::usage, unlit_path(options).string(), "the unlit model would replace the input", "choose another output name");
     if (!std::filesystem::exists(options.input, ignored))
         throw Error(ErrorCode::bad_input, options.input.string(), "no such file", "check the path");
     if (options.output.has_parent_path()) make_folder(options.output.parent_path());

@@ -84,6 +84,8 @@ struct BakeOptions {
     LightmapEncoding encoding = LightmapEncoding::srgb8;   ///< of png8
     bool dither = true;                                    ///< of png8
     ViewerProfile profile = ViewerProfile::three;          ///< for whom the model's materials are made
+    bool unlit = false;         ///< write a second model that any viewer shows (unlit_stage.h)
+    double unlit_exposure = 0;  ///< its sample = nits * this; 0: found from the light
     std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers
     std::uint64_t seed = 0;
 

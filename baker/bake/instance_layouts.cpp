@@ -53,7 +53,7 @@ std::shared_ptr<const MeshLayout> mesh_layout(const BakedGeometry& g, const Mesh
 
 }  // namespace
 
-std::vector<InstanceLayout> instance_layouts(const BakedGeometry& g) {
+std::vector<InstanceLayout> instance_layouts(const BakedGeometry& g, SharedNodes shared_nodes) {
     const CopyBlock whole_page{.width = g.atlas.page_size, .height = g.atlas.page_size};
     const auto page_size = static_cast<float>(g.atlas.page_size);
     std::vector<InstanceLayout> layouts(g.record.instances.size());
@@ -63,11 +63,12 @@ std::vector<InstanceLayout> instance_layouts(const BakedGeometry& g) {
     for (std::size_t i = 0; i < layouts.size(); ++i) {
         if (placed[i].objects.empty()) continue;
         const int mesh = g.record.instances[i].mesh;
-        const CopyBlock& block = placed[i].block ? *placed[i].block : whole_page;
+        const bool is_split = shared_nodes == SharedNodes::split && g.record.instances[i].gpu_instance >= 0;
+        const CopyBlock& block = placed[i].block && !is_split ? *placed[i].block : whole_page;
         layouts[i].place.scale = Vec2f(static_cast<float>(block.width), static_cast<float>(block.height)) / page_size;
         layouts[i].place.offset = Vec2f(static_cast<float>(block.x), static_cast<float>(block.y)) / page_size;
         const auto make = [&] { return mesh_layout(g, g.record.meshes[static_cast<std::size_t>(mesh)], placed[i].objects, block); };
-        if (!placed[i].block) {
+        if (&block == &whole_page) {
             layouts[i].mesh = make();
             continue;
         }

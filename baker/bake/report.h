@@ -49,6 +49,12 @@ struct SeamReport {
     double jump_before = 0, jump_after = 0;              ///< mean of |a - b| over the mean light there
 };
 
+/// Of the second model, which any viewer shows (unlit_stage.h).
+struct UnlitReport {
+    double exposure = 1;   ///< sample = nits * exposure, before the sRGB curve
+    double cut_share = 0;  ///< of all channels, what is brighter than white
+};
+
 struct BakeReport {
     std::vector<std::pair<std::string, std::string>> settings;  ///< name, value as text
 
@@ -87,6 +93,7 @@ struct BakeReport {
     std::vector<Warning> warnings;
     std::vector<std::pair<std::string, std::string>> skipped;  ///< part, why
     std::vector<OutputReport> outputs;
+    std::optional<UnlitReport> unlit;  ///< none: not wanted
 };
 
 }  // namespace luxel

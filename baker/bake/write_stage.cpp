@@ -1,10 +1,14 @@
 #include "baker/bake/write_stage.h"
 
+#include <algorithm>
+
 #include "baker/bake/instance_layouts.h"
 #include "baker/bake/seam_stage.h"
+#include "baker/bake/unlit_stage.h"
 #include "baker/output/page_layers.h"
 #include "baker/output/page_picture.h"
 #include "baker/output/sidecar.h"
+#include "baker/output/unlit_page.h"
 #include "formats/base/file.h"
 #include "formats/gltf/gltf_out.h"
 
@@ -130,7 +134,7 @@ class Writer {
 }  // namespace
 
 std::uint64_t picture_bytes_per_texel(const BakeOptions& options) {
-    return lightmap_format_info(options.format).bytes_per_texel;
+    return std::max(lightmap_format_info(options.format).bytes_per_texel, options.unlit ? unlit_bytes_per_texel : 0);
 }
 
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
@@ -144,6 +148,7 @@ void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, co
         const JoinedSeams seams = options.seams == SeamMode::join ? JoinedSeams(options, geometry, light) : JoinedSeams();
         report.seams = seams.report();
         WrittenOutputs written = write_lightmaps(options, geometry, light, seams, clock.progress("files"));
+        if (options.unlit) report.unlit = write_unlit(options, geometry, light, seams, written);
         report.outputs = std::move(written.outputs);
         report.warnings.insert(report.warnings.end(), written.warnings.begin(), written.warnings.end());
         return false;

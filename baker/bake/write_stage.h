@@ -17,10 +17,10 @@ struct WrittenOutputs {
 WrittenOutputs write_lightmaps(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light,
                                const JoinedSeams& seams, const ProgressFunction& progress);
 
-/// At most, of the pictures that are kept until a model is written: all of its pages.
+/// At most, of the pictures that are kept until a model is written: they are of one model at a time.
 std::uint64_t picture_bytes_per_texel(const BakeOptions& options);
 
-/// The same as stage "write", after joining the seams if that is wanted.
+/// The same as stage "write", after joining the seams if that is wanted; then the unlit model, if that is.
 void write_outputs(const BakeOptions& options, const BakedGeometry& geometry, const BakedLight& light, StageClock& clock,
                    BakeReport& report);
 

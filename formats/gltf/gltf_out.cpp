@@ -7,6 +7,7 @@
 #include "formats/gltf/gltf_out_files.h"
 #include "formats/gltf/gltf_out_mesh.h"
 #include "formats/gltf/gltf_out_prune.h"
+#include "formats/gltf/gltf_out_unlit.h"
 
 namespace luxel {
 
@@ -122,12 +123,17 @@ GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& do
     check_layouts(record, lightmaps);
     OutputModel model(document);
     ModelFiles files(path, model);
-    files.take_pictures_along(record);
+    if (!lightmaps.is_unlit) files.take_pictures_along(record);
     std::vector<std::uint64_t> images;
     for (std::size_t page = 0; page < lightmaps.pages.size(); ++page)
         images.push_back(files.add_page(page, lightmaps.pages[page], lightmaps.meaning));
     LightmapMaterials materials(model, lightmaps, images);
-    prune_arrays(model, rewrite_meshes(model, record, lightmaps, materials));
+    ArrayReferences replaced = rewrite_meshes(model, record, lightmaps, materials);
+    if (lightmaps.is_unlit) {
+        drop_input_materials(model, replaced);
+        files.take_pictures_along(record);
+    }
+    prune_arrays(model, replaced);
     add_note(model.root, lightmaps.version);
     GltfWritten written;
     for (const std::uint64_t image : images) written.page_files.push_back(files.file_of(image));

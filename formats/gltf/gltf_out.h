@@ -80,6 +80,7 @@ struct GltfLightmaps {
     std::vector<LightmapPicture> pages;
     std::vector<InstanceLayout> instances;  ///< as SceneRecord::instances; those with gpu_instance >= 0 and a place lie on one page each
     LightmapMeaning meaning;
+    bool is_unlit = false;  ///< pages are what surfaces look like: materials show them as they are, and nothing is said of light
     std::string version;  ///< of luxel
 };
 

@@ -1,5 +1,7 @@
 #include "formats/gltf/gltf_out_material.h"
 
+#include "formats/gltf/gltf_out_unlit.h"
+
 namespace luxel {
 
 using nlohmann::json;
@@ -70,9 +72,20 @@ const json& LightmapMaterials::source(std::int64_t material) const {
     return (*materials)[static_cast<std::size_t>(material)];
 }
 
-std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set) {
-    const CloneKey key{material, page, {place.scale.x, place.scale.y, place.offset.x, place.offset.y}, moved_uv_set};
-    if (const auto known = clones_.find(key); known != clones_.end()) return known->second;
+void LightmapMaterials::set_place(json& texture_use, const LayoutPlace& place) {
+    if (place.is_identity()) return;
+    texture_use["extensions"]["KHR_texture_transform"] = {{"offset", {place.offset.x, place.offset.y}}, {"scale", {place.scale.x, place.scale.y}}};
+    use_extension(model_.root, "KHR_texture_transform");
+}
+
+json LightmapMaterials::make_unlit(std::int64_t material, std::uint32_t page, const LayoutPlace& place) {
+    json made = unlit_material(source(material), textures_[page]);
+    set_place(made["pbrMetallicRoughness"]["baseColorTexture"], place);
+    use_extension(model_.root, "KHR_materials_unlit");
+    return made;
+}
+
+json LightmapMaterials::make_lit(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set) {
     json copy = source(material);
     if (moved_uv_set) change_uv_set(copy, 1, moved_uv_set);
     const LightmapMeaning& meaning = lightmaps_.meaning;
@@ -85,14 +98,17 @@ std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page
                                               {"texCoord", 1},
                                               {"intensity", lightmaps_.pages[page].intensity * scale},
                                               {"extras", std::move(extras)}};
-    if (!place.is_identity()) {
-        copy["extensions"][lightmap_extension]["extensions"]["KHR_texture_transform"] = {
-            {"offset", {place.offset.x, place.offset.y}}, {"scale", {place.scale.x, place.scale.y}}};
-        use_extension(model_.root, "KHR_texture_transform");
-    }
-    const std::uint64_t index = model_.append("materials", std::move(copy));
-    clones_.emplace(key, index);
+    set_place(copy["extensions"][lightmap_extension], place);
     use_extension(model_.root, lightmap_extension);
+    return copy;
+}
+
+std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set) {
+    const CloneKey key{material, page, {place.scale.x, place.scale.y, place.offset.x, place.offset.y}, moved_uv_set};
+    if (const auto known = clones_.find(key); known != clones_.end()) return known->second;
+    const std::uint64_t index =
+        model_.append("materials", lightmaps_.is_unlit ? make_unlit(material, page, place) : make_lit(material, page, place, moved_uv_set));
+    clones_.emplace(key, index);
     return index;
 }
 

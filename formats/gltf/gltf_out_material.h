@@ -34,6 +34,10 @@ class LightmapMaterials {
     [[nodiscard]] const nlohmann::json& source(std::int64_t material) const;
 
   private:
+    void set_place(nlohmann::json& texture_use, const LayoutPlace& place);
+    nlohmann::json make_lit(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set);
+    nlohmann::json make_unlit(std::int64_t material, std::uint32_t page, const LayoutPlace& place);
+
     OutputModel& model_;
     const GltfLightmaps& lightmaps_;
     std::vector<std::uint64_t> textures_;  ///< per page

@@ -1,9 +1,11 @@
-// Whole bakes in every format and profile: a reader that knows nothing but the model finds the irradiance of the float page again.
+// Whole bakes in every format and profile: a reader that knows nothing but the model finds the irradiance of the float page again. And the
+// unlit model shows reflectance times light.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 
 #include "baker/output/page_picture.h"
 #include "formats/base/compress.h"
@@ -11,6 +13,7 @@
 #include "formats/gltf/gltf_document.h"
 #include "formats/image/image_file.h"
 #include "tests/bake/whole_bake.h"
+#include "tests/support/exr_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace luxel::test {
@@ -194,6 +197,91 @@ TEST(FormatsBake, HubsGetsOneFile) {
     const json& image = model.document.json["images"].back();
     EXPECT_EQ(image["mimeType"], "image/vnd.radiance");
     EXPECT_TRUE(image.contains("bufferView"));
+}
+
+TEST(FormatsBake, UnlitModelShowsReflectanceTimesLight) {
+    const TemporaryFolder folder;
+    BakeOptions options = formats_options(folder, sample("two_rooms"));
+    options.layers = {Layer::albedo, Layer::valid};
+    options.unlit = true;
+    const BakeReport report = bake(options);
+    ASSERT_TRUE(report.unlit);
+    EXPECT_LE(report.unlit->cut_share, 0.01);
+    const Model model(folder / "out" / "scene.unlit.glb");
+    EXPECT_EQ(model.document.json["extensionsUsed"].back(), "KHR_materials_unlit");
+
+    const auto layers = read_exr_parts(read_file(folder / "out" / "scene.aov0.exr"));
+    const auto& albedo = layers[0].floats;
+    const auto pages = lightmap_pages(report);
+    std::set<std::string> shown;
+    for (const json& mesh : model.document.json["meshes"])
+        for (const json& primitive : mesh["primitives"]) {
+            const json& material = model.document.json["materials"].at(primitive["material"].get<std::size_t>());
+            EXPECT_TRUE(material["extensions"].contains("KHR_materials_unlit"));
+            EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"], 1);
+            shown.insert(material["name"].get<std::string>());
+            EXPECT_TRUE(primitive["attributes"].contains("TEXCOORD_1"));
+        }
+    EXPECT_TRUE(shown.contains("lamp_0"));
+
+    const Samples samples = read_samples(model.image(0), "png");
+    std::size_t compared = 0, white = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (albedo[3 * k] + albedo[3 * k + 1] + albedo[3 * k + 2] == 0) continue;
+        ++compared;
+        // The lamp itself, of grey 0.5, sends light of its own: far above white.
+        const bool is_lamp = albedo[3 * k] == 0.5f && albedo[3 * k + 1] == 0.5f && albedo[3 * k + 2] == 0.5f;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double nits = static_cast<double>(albedo[3 * k + c]) * static_cast<double>(pages[0].pixels[k][c]) / M_PI;
+            const double share = std::min(1.0, nits * report.unlit->exposure);
+            if (is_lamp) ASSERT_EQ(samples[k][c], 1.0);
+            else ASSERT_NEAR(srgb_to_linear(samples[k][c]), share, 0.0093 + 0.001 * share) << k;
+            white += samples[k][c] == 1.0;
+        }
+    }
+    EXPECT_GT(compared, 1000u);
+    EXPECT_LE(static_cast<double>(white), 0.02 * 3 * static_cast<double>(compared));
+}
+
+TEST(FormatsBake, ExposureOfTheUnlitModelIsTheUsers) {
+    const TemporaryFolder folder;
+    BakeOptions options = formats_options(folder, sample("furnace"));
+    options.unlit = true;
+    options.unlit_exposure = 0.25;
+    const BakeReport report = bake(options);
+    EXPECT_EQ(report.unlit->exposure, 0.25);
+    // A closed room of M = 1 lm/m2 and reflectance 0.5: B = 2 lm/m2, which is 2 / pi nits.
+    const Samples samples = read_samples(Model(folder / "out" / "scene.unlit.glb").image(0), "png");
+    std::size_t lit = 0;
+    double sum = 0;
+    for (const auto& sample : samples)
+        if (sample[0] > 0) ++lit, sum += srgb_to_linear(sample[0]);
+    ASSERT_GT(lit, 100u);
+    EXPECT_NEAR(sum / static_cast<double>(lit), 0.25 * 2 / M_PI, 0.01 * 0.25 * 2 / M_PI);
+}
+
+TEST(FormatsBake, MasksStayInTheUnlitModel) {
+    const TemporaryFolder folder;
+    BakeOptions options = formats_options(folder, sample("fence"));
+    options.unlit = true;
+    options.unwrap.texels_per_metre = 16;
+    bake(options);
+    const Model model(folder / "out" / "scene.unlit.glb");
+    std::size_t masked = 0;
+    for (const json& mesh : model.document.json["meshes"])
+        for (const json& primitive : mesh["primitives"]) {
+            const json& material = model.document.json["materials"].at(primitive["material"].get<std::size_t>());
+            masked += material.value("alphaMode", "OPAQUE") == "MASK";
+        }
+    EXPECT_GT(masked, 0u);
+    std::set<int> alphas;
+    const json& images = model.document.json["images"];
+    for (std::size_t k = 0; k < images.size(); ++k)
+        if (images[k].value("name", "").starts_with("unlit"))
+            for (const auto& sample : read_samples(model.image(k), "png")) alphas.insert(static_cast<int>(std::lround(255 * sample[3])));
+    EXPECT_TRUE(alphas.contains(255));
+    EXPECT_TRUE(alphas.contains(0)) << "holes, and what is outside of all charts";
+    EXPECT_GT(alphas.size(), 2u) << "edges of the pattern";
 }
 
 }  // namespace

@@ -9,7 +9,8 @@ Compared: the scenes, nodes, cameras, skins, animations, unknown members, extens
 elements, in their component types (to one unit where a decoder may round: filters of meshopt); pictures byte for byte; all materials, textures and samplers under their numbers; every
 triangle's corners with all attributes and morph targets. Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV
 set, clones of materials, their textures), vertices that are split, primitives parted by page, meshes copied per node,
-strips and fans as triangles, arrays in other views, decoded compression.
+strips and fans as triangles, arrays in other views, decoded compression; copies of a node (EXT_mesh_gpu_instancing) have attributes
+for their places, and some of them may be shown by children of that node.
 """
 import collections
 import copy
@@ -18,6 +19,7 @@ import struct
 COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"}
 PLACE = {"bufferView", "byteOffset", "sparse"}     # of an accessor: where its elements lie
 BOUNDS = {"min", "max"}
+COPIES, COPY_PLACES = "EXT_mesh_gpu_instancing", {"_LIGHTMAP_OFFSET", "_LIGHTMAP_SCALE"}
 GROWING = ("samplers", "textures", "materials")
 RESTORED = {"accessors", "bufferViews", "buffers", "images", "meshes", "nodes", "skins", "animations", "asset", "extensionsUsed",
             "extensionsRequired", *GROWING}
@@ -117,7 +119,7 @@ class _Comparison:
     def extension_lists(self):
         textures = self.after.items("textures")[len(self.before.items("textures")):]
         pictures = {name for texture in textures for name in texture.get("extensions", {})}
-        for name, added in (("extensionsUsed", {"MOZ_lightmap"} | pictures), ("extensionsRequired", set())):
+        for name, added in (("extensionsUsed", {"MOZ_lightmap", "KHR_texture_transform"} | pictures), ("extensionsRequired", set())):
             old, new = self.before.items(name), self.after.items(name)
             lost = [item for item in old if item not in new and item not in COMPRESSION]
             more = [item for item in new if item not in old and item not in added]
@@ -167,23 +169,48 @@ class _Comparison:
             self.array(f"{where}/{name}", old[name], new[name])
 
     def nodes(self):
-        nodes = self.after.items("nodes")
-        if len(nodes) != len(self.before.items("nodes")):
-            self.say("nodes", f"there were {len(self.before.items('nodes'))}, there are {len(nodes)}")
+        nodes, count = self.after.items("nodes"), len(self.before.items("nodes"))
+        added = set(range(count, len(nodes)))
         for index, (old, new) in enumerate(zip(self.before.items("nodes"), nodes)):
             where = f"nodes/{index}"
-            name = "EXT_mesh_gpu_instancing"
-            copies = [item.get("extensions", {}).get(name) for item in (old, new)]
-            self.same(where, *(without_extension(without(item, "mesh"), name) for item in (old, new)))
-            if all(copies):
-                self.same(f"{where}/{name}", *(without(item, "attributes") for item in copies))
-                self.arrays(f"{where}/{name}", *(item["attributes"] for item in copies))
-            elif any(copies):
-                self.say(where, f"{name} was lost or added")
-            if ("mesh" in old) != ("mesh" in new):
-                self.say(where, "its mesh was lost or added")
-            elif "mesh" in old:
-                self.mesh(f"{where}/mesh", self.before.items("meshes")[old["mesh"]], self.after.items("meshes")[new["mesh"]])
+            parts = [child for child in new.get("children", []) if child in added]
+            added -= set(parts)
+            if parts:
+                kept = [child for child in new["children"] if child not in parts]
+                new = {**without(new, "children"), **({"children": kept} if "children" in old else {})}
+                if COPIES not in old.get("extensions", {}):
+                    self.say(where, f"nodes {parts} were added below it")
+            self.same(where, *(without_extension(without(item, "mesh"), COPIES) for item in (old, new)))
+            shown = [new, *(nodes[part] for part in parts)]
+            self.copies(where, old, shown)
+            for item in shown:
+                if ("mesh" in old) != ("mesh" in item):
+                    self.say(where, "its mesh was lost or added")
+                elif "mesh" in old:
+                    self.mesh(f"{where}/mesh", self.before.items("meshes")[old["mesh"]], self.after.items("meshes")[item["mesh"]])
+        if added or len(nodes) < count:
+            self.say("nodes", f"there were {count}, there are {len(nodes)}; of them {sorted(added)} belong to none")
+
+    def copies(self, where, old, shown):
+        """Copies of a node, which the nodes `shown` show together: each with all its attributes, in any order."""
+        extensions = [item.get("extensions", {}).get(COPIES) for item in (old, *shown)]
+        if not any(extensions):
+            return
+        if not all(extensions):
+            self.say(where, f"{COPIES} was lost or added")
+            return
+        before, *parts = extensions
+        for part in parts:
+            self.same(f"{where}/{COPIES}", without(before, "attributes"), without(part, "attributes"))
+            self.same(f"{where}/{COPIES}", sorted(before["attributes"]), sorted(part["attributes"].keys() - (COPY_PLACES - before["attributes"].keys())))
+        names = sorted(before["attributes"].keys() & set.intersection(*(set(part["attributes"]) for part in parts)))
+        for name in names:
+            for part in parts:
+                self.described(f"{where}/{COPIES}/{name}", before["attributes"][name], part["attributes"][name])
+        rows = sorted(zip(*(self.values.elements(before["attributes"][name]) for name in names)))
+        found = sorted(row for part in parts for row in zip(*(self.after.elements(part["attributes"][name]) for name in names)))
+        if rows != found:
+            self.say(f"{where}/{COPIES}", f"of {len(rows)} copies {len(collections.Counter(rows) - collections.Counter(found))} are lost or changed")
 
     def lonely_meshes(self):
         shown = {node["mesh"] for node in self.before.items("nodes") if "mesh" in node}

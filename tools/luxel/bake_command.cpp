@@ -208,6 +208,8 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"encoding", encoding_of(o.format, o.encoding)},
             {"dither", a.model.dither},
             {"profile", a.model.profile},
+            {"unlit", o.unlit ? "on" : "off"},
+            {"unlit-exposure", o.unlit_exposure > 0 ? fmt::format("{}", o.unlit_exposure) : "auto"},
             {"aov", layer_names(o.layers)},
             {"seed", std::to_string(o.seed)},
             {"memory", a.memory},

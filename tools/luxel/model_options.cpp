@@ -15,6 +15,9 @@ void add_model_options(CLI::App& command, ModelArguments& a) {
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Lightmap");
     command.add_option("--profile", a.profile, "viewers that the glTF's materials are made for: factor pi and colour space")
         ->check(CLI::IsMember({"three", "hubs", "plain"}))->capture_default_str()->group("Lightmap");
+    command.add_flag("--unlit", a.unlit, "write OUT's stem.unlit.glb too: its pictures are base colour times light, which any viewer shows")->group("Lightmap");
+    command.add_option("--unlit-exposure", a.unlit_exposure, "of --unlit: picture = nits * X (so that 99 % of it is not cut)")
+        ->check(CLI::Range(1e-30, 1e30))->type_name("X")->group("Lightmap");
 }
 
 void resolve_model_options(const ModelArguments& a, const CLI::App& command, BakeOptions& o) {
@@ -28,6 +31,10 @@ void resolve_model_options(const ModelArguments& a, const CLI::App& command, Bak
             throw Error(ErrorCode::usage, name, std::string("it is of png8 only, but the format is ") + lightmap_format_info(o.format).name,
                         "leave it out, or add --lightmap-format png8");
     check_profile(o.profile, o.format, o.encoding);
+    o.unlit = a.unlit;
+    o.unlit_exposure = a.unlit_exposure;
+    if (command.count("--unlit-exposure") && !a.unlit)
+        throw Error(ErrorCode::usage, "--unlit-exposure", "it is of the unlit model, but --unlit is not given", "add --unlit, or leave it out");
 }
 
 namespace {

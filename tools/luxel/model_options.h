@@ -9,6 +9,8 @@ namespace luxel {
 
 struct ModelArguments {
     std::string format, encoding, dither = "on", profile = "three";  ///< empty: what the profile has
+    bool unlit = false;
+    double unlit_exposure = 0;
 };
 
 void add_model_options(CLI::App& command, ModelArguments& arguments);

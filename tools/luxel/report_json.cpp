@@ -59,6 +59,7 @@ std::string report_json(const BakeReport& r) {
                     {"texels", r.seams.texels},
                     {"jump_before", r.seams.jump_before},
                     {"jump_after", r.seams.jump_after}};
+    if (r.unlit) out["unlit"] = {{"exposure", r.unlit->exposure}, {"white_nits", 1 / r.unlit->exposure}, {"cut_share", r.unlit->cut_share}};
     out["stopped"] = r.stopped ? json(r.stopped->where) : json();
     out["previews"] = {{"written", r.previews}, {"seconds", r.preview_seconds}};
     out["energy"] = {{"unit", "lm"}, {"emitted", r.emitted_lm}, {"absorbed", r.absorbed_lm}, {"lost", r.lost_lm}};
