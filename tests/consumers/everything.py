@@ -1,6 +1,6 @@
 """A small model with a bit of everything that glTF allows, for seeing whether all of it is kept. Standard library only.
 
-Two scenes, four kinds of primitives, a mesh that three nodes show (one of them in the other scene), two UV sets that textures
+Two scenes, four kinds of primitives, a mesh that three nodes show (one of them in the other scene), one that a node shows many times, two UV sets that textures
 use, an unlit third one, skins, morph targets, all kinds of animation samplers, cameras, lamps, variants, sparse arrays,
 interleaved arrays, quantised arrays, custom attributes, matrices with padded columns, pictures in a view, in a data URI and in
 a file (its name needs escapes), extensions and members that nobody knows, on every kind of object, one of them with an array
@@ -100,6 +100,17 @@ def plain_primitives(w):
             {"attributes": {"POSITION": line}, "mode": 0, "material": 0}]
 
 
+def crowd(w):
+    """A node that shows a mesh many times: turned, mirrored, of two sizes, with an attribute of somebody else."""
+    count = 60
+    places = [number for k in range(count) for number in (float(k % 10), 5.0, 2.0 * (k // 10))]
+    sizes = [number for k in range(count) for number in ((-1, 1, 1), (0.5, 0.5, 0.5), (1, 1, 1))[k % 3]]
+    return {"name": "crowd", "mesh": 3, "extras": {"of": "many"}, "extensions": {"ACME_unknown": {"note": "of a node"}, "EXT_mesh_gpu_instancing": {
+        "attributes": {"TRANSLATION": w.array("VEC3", FLOAT, places), "ROTATION": w.array("VEC4", I16, [0, 23170, 0, 23170] * count, normalized=True),
+                       "SCALE": w.array("VEC3", FLOAT, sizes), "_KIND": w.array("SCALAR", U16, list(range(count)), name="kinds")},
+        "extras": {"kept": True}}}}
+
+
 def animations(w):
     times = w.array("SCALAR", FLOAT, [0, 0.5, 1], min=[0], max=[1])
     samplers = [
@@ -143,17 +154,17 @@ def write(folder):
         "scene": 1, **odd(0),
         "scenes": [{"name": "other", "nodes": [4], **odd(4)}, {"name": "main", "nodes": [0]}],
         "nodes": [
-            {"name": "root", "children": [1, 2, 3, 5, 6, 7], **odd(5)},
+            {"name": "root", "children": [1, 2, 3, 5, 6, 7, 8], **odd(5)},
             {"name": "same name", "mesh": 0, "weights": [0.5, 0], "translation": [0, 0, 2]},
             {"name": "same name", "mesh": 0, "skin": 0, "rotation": [0, 0, 0, 1], "scale": [1, 1, 1], "translation": [2, 0, 0]},
             {"mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 3, 0, 1], "extras": {"luxel": {"unknown": "to luxel"}}},
             {"name": "elsewhere", "mesh": 0}, {"name": "eye", "camera": 0, "translation": [0, 0, 5]},
             {"name": "lamp", "extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0.5, 0.5, 4]},
-            {"name": "second eye", "camera": 1}],
+            {"name": "second eye", "camera": 1}, crowd(w)],
         "cameras": [{"name": "wide", "type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1, "extras": {"f": 35}}, **odd(6)},
                     {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 10, "znear": 0}}],
         "meshes": [{"name": "rich", "primitives": [rich], "weights": [0.25, 0.75], **odd(7)}, {"primitives": plain},
-                   {"name": "shown by nobody", "primitives": [dict(plain[0])]}],
+                   {"name": "shown by nobody", "primitives": [dict(plain[0])]}, {"name": "one of many", "primitives": [dict(plain[1])]}],
         "skins": [{"name": "bones", "joints": [5, 6], "inverseBindMatrices": bind, "skeleton": 0, **odd(8)}],
         "animations": moving, "materials": materials(),
         "textures": [{"source": 0, "sampler": 0, "name": "red", **odd(9)}, {"source": 1}, {"source": 2, "sampler": 0}],
@@ -162,7 +173,7 @@ def write(folder):
                    {"uri": "data:image/png;base64," + base64.b64encode(png(10, 200, 10)).decode(), "name": "in the text"},
                    {"uri": "blue%20picture.png", "extras": {"outside": True}}],
         "extensionsUsed": ["ACME_unknown", "KHR_materials_variants", "KHR_lights_punctual", "KHR_texture_transform", "KHR_materials_unlit",
-                           "KHR_materials_emissive_strength", "KHR_mesh_quantization", "ACME_counted"],
+                           "KHR_materials_emissive_strength", "KHR_mesh_quantization", "ACME_counted", "EXT_mesh_gpu_instancing"],
         "extensionsRequired": ["KHR_mesh_quantization"], "accessors": w.accessors, "bufferViews": w.views,
         "buffers": [{"byteLength": len(w.body), "uri": "everything.bin", "name": "body"}]}
     document["extensions"].update({
