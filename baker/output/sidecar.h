@@ -1,5 +1,5 @@
 /// The list of what a bake wrote, as `<out>.lightmaps.json` beside the glTF: for tools that want the float pages
-/// instead of the 8-bit ones, or that do not read MOZ_lightmap.
+/// instead of the model's pictures, or that do not read MOZ_lightmap.
 ///
 ///     { "schema": 1, "generator": "luxel 0.1.0", "model": "hall.glb", "texCoord": 1, "texelsPerMetre": 16,
 ///       "pages": [ { "index": 0, "width": 1024, "height": 1024, "quantity": "irradiance", "unit": "lux",
