@@ -148,9 +148,9 @@ class Gltf:
                                "type": kind, **limits})
         return len(self.accessors) - 1
 
-    def mesh(self, name, faces, material, uv=None):
+    def mesh(self, name, faces, material, uv=None, color=None):
         """Indexed triangles of convex faces; returns the mesh index. A second call with a known name shares the mesh.
-        uv: from a corner to its texture coordinates."""
+        uv: from a corner to its texture coordinates. color: to its linear r, g, b."""
         if name in self.mesh_ids:
             return self.mesh_ids[name]
         points, indices = [], []
@@ -167,6 +167,8 @@ class Gltf:
         attributes = {"POSITION": position}
         if uv is not None:
             attributes["TEXCOORD_0"] = self._accessor(b"".join(struct.pack("<2f", *uv(p)) for p in points), 5126, "VEC2", len(points), 34962)
+        if color is not None:
+            attributes["COLOR_0"] = self._accessor(b"".join(struct.pack("<3f", *color(p)) for p in points), 5126, "VEC3", len(points), 34962)
         self.mesh_ids[name] = len(self.meshes)
         self.meshes.append({"name": name, "primitives": [
             {"attributes": attributes, "indices": index, "material": material, "mode": 4}]})
@@ -216,9 +218,9 @@ class Gltf:
             self.nodes[index]["extras"] = extras
         return index
 
-    def piece(self, name, faces, material, parent=None, uv=None):
+    def piece(self, name, faces, material, parent=None, uv=None, color=None):
         """A node with a mesh of its own."""
-        return self.node(name, self.mesh(name, faces, material, uv), parent)
+        return self.node(name, self.mesh(name, faces, material, uv, color), parent)
 
     def triangle_count(self):
         """Triangles of all instances."""

@@ -242,6 +242,22 @@ def painted_room(_):
     return gltf
 
 
+def tinted_room(_):
+    """A closed room of 4 x 2.7 x 5 m whose walls have the colours of their vertices: two run from red and from blue to white, the
+    others and the chest are white."""
+    gltf = Gltf()
+    white = gltf.material("white", (0.75, 0.75, 0.75))
+    gltf.piece("floor", [rectangle(1, 0.0, (0, 0), (4, 5), 1)], white)
+    gltf.piece("ceiling", [rectangle(1, 2.7, (0, 0), (4, 5), -1)], white)
+    gltf.piece("wall_minus_x", [rectangle(0, 0.0, (0, 0), (2.7, 5), 1)], white, color=lambda p: (1.0, *[0.05 + 0.95 * p[2] / 5] * 2))
+    gltf.piece("wall_plus_x", [rectangle(0, 4.0, (0, 0), (2.7, 5), -1)], white, color=lambda p: (*[1 - 0.9 * p[2] / 5] * 2, 1.0))
+    gltf.piece("wall_minus_z", [rectangle(2, 0.0, (0, 0), (4, 2.7), 1)], white)
+    gltf.piece("wall_plus_z", [rectangle(2, 5.0, (0, 0), (4, 2.7), -1)], white)
+    gltf.piece("chest", box((1.5, 0, 2.2), (2.5, 0.8, 3.2), ("-y",)), white)
+    gltf.piece("lamp", [rectangle(1, 2.65, (1.5, 2), (2.5, 3), -1)], gltf.material("lamp", (0, 0, 0), (800, 760, 700)))
+    return gltf
+
+
 def furnished_rooms(columns, rows, lit):
     """Furnished rooms as in the corridors; lit(i, j) says which have a lamp."""
     gltf = Gltf()
@@ -265,6 +281,7 @@ SAMPLES = {
     "fence": fence,
     "glass_room": glass_room,
     "painted_room": painted_room,
+    "tinted_room": tinted_room,
     "corridor_4": lambda _: corridor(2, 2),
     "corridor_16": lambda _: corridor(4, 4),
     "corridor_64": lambda _: corridor(8, 8),

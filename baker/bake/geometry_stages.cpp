@@ -64,7 +64,8 @@ Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
 void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     g.document = load_gltf(options.input, options.allow_outside);
     g.record = read_scene(g.document, {.scene = options.scene.empty() ? -1 : find_scene(g.document, options.scene),
-                                       .skip_skinned = options.skip_skinned});
+                                       .skip_skinned = options.skip_skinned,
+                                       .vertex_colors = options.vertex_colors});
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
     const BuildOptions build{.bad_values = options.bad_values,
@@ -154,7 +155,7 @@ std::uint64_t BakedGeometry::resident_bytes() const {
     for (const MeshRecord& mesh : record.meshes)
         for (const PrimitiveRecord& p : mesh.primitives)
             bytes += p.positions.size() * sizeof(p.positions[0]) + p.normals.size() * sizeof(p.normals[0]) +
-                     (p.uv[0].size() + p.uv[1].size()) * sizeof(p.uv[0][0]) + p.indices.size() * sizeof(p.indices[0]);
+                     (p.uv[0].size() + p.uv[1].size()) * sizeof(p.uv[0][0]) + p.colors.size() * sizeof(p.colors[0]) + p.indices.size() * sizeof(p.indices[0]);
     return bytes;
 }
 

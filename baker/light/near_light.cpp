@@ -71,9 +71,9 @@ struct NearLight::Rays {
 
 NearVertex NearLight::vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
                              const Rgb& weight, float share) const {
-    // The texture's detail shows in what comes straight from it; farther on the mean will do.
-    const bool has_texture = share == 1 && in_.scene.material_of(hit.triangle).base_texture != none;
-    const Rgb reflectance = has_texture ? surface_reflectance(in_.scene, hit.triangle, hit.b1, hit.b2)
+    // The detail of its colour shows in what comes straight from it; farther on the mean will do.
+    const bool has_detail = share == 1 && has_varied_base(in_.scene, hit.triangle);
+    const Rgb reflectance = has_detail ? surface_reflectance(in_.scene, hit.triangle, hit.b1, hit.b2)
                                         : in_.patches.patches[patch].reflectance;
     const Vec3f normal = in_.scene.geometric_normal(hit.triangle);
     return {surface_position(in_.scene, hit.triangle, {hit.b1, hit.b2}),

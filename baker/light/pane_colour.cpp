@@ -89,7 +89,7 @@ bool has_tinting_panes(const Scene& scene) {
     return std::any_of(scene.objects.begin(), scene.objects.end(), [&](const Object& object) {
         const Material& m = scene.materials[object.material];
         const bool takes_colour = m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
-        const bool is_grey = m.base_texture == none && m.pane_colour == Rgb(m.pane_colour.x, m.pane_colour.x, m.pane_colour.x);
+        const bool is_grey = m.base_texture == none && !object.is_painted() && m.pane_colour == Rgb(m.pane_colour.x, m.pane_colour.x, m.pane_colour.x);
         return takes_colour && !is_grey;
     });
 }

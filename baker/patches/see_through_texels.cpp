@@ -35,6 +35,8 @@ int points_along_cell(const Scene& scene, const FragmentPolygon& polygon, std::u
         pixels_across(scene, material.base_texture, material.base_uv_set, material.base_transform, polygon, triangle),
         pixels_across(scene, material.transmission_texture, material.transmission_uv_set, material.transmission_transform, polygon, triangle),
         pixels_across(scene, material.emissive_texture, material.emissive_uv_set, material.emissive_transform, polygon, triangle)});
+    // Between vertices alpha is linear, but a mask has its edge anywhere.
+    if (material.alpha_mode == AlphaMode::mask && scene.object_of(triangle).is_painted()) return most_points;
     // Two for each pixel: a mask's edge lies anywhere in one.
     return pixels > 0 ? std::clamp(static_cast<int>(std::ceil(std::min(2 * pixels, 1e6) / cells_across)), 2, most_points) : 1;
 }

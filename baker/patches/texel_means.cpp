@@ -52,10 +52,9 @@ void average_texel(const Scene& scene, const Atlas& atlas, const PageTexels& pag
             emission += to_double(mean.emission) * weight;
             continue;
         }
-        const bool textured = material.base_texture != none || material.emissive_texture != none;
-        const SurfaceFootprint footprint = textured ? footprint_of(scene, atlas, fragment) : SurfaceFootprint{};
-        const Rgb rho = material.base_texture != none ? mean_reflectance(scene, fragment.triangle, footprint)
-                                                      : surface_reflectance(scene, fragment.triangle, 0, 0);
+        const bool is_varied = has_varied_base(scene, fragment.triangle), varies = is_varied || material.emissive_texture != none;
+        const SurfaceFootprint footprint = varies ? footprint_of(scene, atlas, fragment) : SurfaceFootprint{};
+        const Rgb rho = is_varied ? mean_reflectance(scene, fragment.triangle, footprint) : surface_reflectance(scene, fragment.triangle, 0, 0);
         const Rgb exitance = material.emissive_texture != none ? mean_emission(scene, fragment.triangle, footprint)
                                                                : surface_emission(scene, fragment.triangle, 0, 0);
         reflectance += to_double(rho) * weight;

@@ -15,10 +15,13 @@
 
 namespace luxel {
 
+/// Linear colour and alpha.
+using Rgba = std::array<float, 4>;
+
 /// Linear RGBA pixels, row 0 at the top (v = 0), as glTF's UV origin is the upper left corner.
 struct Texture {
     std::uint32_t width = 0, height = 0;
-    std::vector<std::array<float, 4>> pixels;  ///< width * height
+    std::vector<Rgba> pixels;  ///< width * height
     WrapMode wrap_s = WrapMode::repeat, wrap_t = WrapMode::repeat;
     bool nearest = false;
 };
@@ -57,11 +60,14 @@ struct Object {
     std::uint32_t material = 0;
     std::uint32_t first_triangle = 0, triangle_count = 0;
     std::uint32_t first_vertex = 0, vertex_count = 0;
+    std::uint32_t first_color = none;  ///< of its vertex_count in Scene::colors; none: its vertices are white
     std::uint64_t path_hash = 0;     ///< of node path and primitive: stable when other nodes change
     std::uint64_t content_hash = 0;  ///< of the primitive's own arrays (local positions, normals, UVs, indices)
     ShapeMetric metric{};            ///< of the instance: with content_hash it says which objects show the same shape
     bool shares_node = false;        ///< a copy by EXT_mesh_gpu_instancing: node and materials are shared with others
     bool mirrored = false;           ///< negative determinant: winding was swapped so that fronts stay fronts
+
+    [[nodiscard]] bool is_painted() const { return first_color != none; }
 };
 
 struct Lamp {
@@ -95,6 +101,8 @@ struct Scene {
     std::vector<Vec3f> shape_positions;
     std::vector<Vec3f> normals;  ///< unit shading normals per vertex; the geometric one where the file has none or a bad one
     std::array<std::vector<Vec2f>, 2> uv;  ///< per vertex, zero where the file has none
+    /// Factors of base colour and alpha, 0..1, of the vertices of those objects that have any other than 1 (Object::first_color).
+    std::vector<Rgba> colors;
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise seen from the front
     /// Triangle of the source primitive (index into its indices / 3) for each triangle: dropped ones leave gaps.
     std::vector<std::uint32_t> source_triangle;
@@ -116,9 +124,8 @@ struct Scene {
     [[nodiscard]] const Vec3f& corner(std::uint32_t triangle, int k) const {
         return positions[triangles[triangle][static_cast<std::size_t>(k)]];
     }
-    [[nodiscard]] const Material& material_of(std::uint32_t triangle) const {
-        return materials[objects[triangle_object[triangle]].material];
-    }
+    [[nodiscard]] const Object& object_of(std::uint32_t triangle) const { return objects[triangle_object[triangle]]; }
+    [[nodiscard]] const Material& material_of(std::uint32_t triangle) const { return materials[object_of(triangle).material]; }
     /// Cross product of two edges: twice the area times the geometric normal. Never zero: such triangles are dropped.
     [[nodiscard]] Vec3d area_vector(std::uint32_t triangle) const {
         const Vec3d a = to_double(corner(triangle, 0));

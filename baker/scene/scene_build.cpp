@@ -17,8 +17,8 @@ namespace {
 struct ObjectSize {
     std::uint32_t instance = 0, primitive = 0;
     std::uint64_t vertex_count = 0, triangle_count = 0;
-    std::uint32_t not_finite_count = 0, no_area_count = 0, bad_normal_count = 0, bad_uv_count = 0;
-    bool mirrored = false;
+    std::uint32_t not_finite_count = 0, no_area_count = 0, bad_normal_count = 0, bad_uv_count = 0, bad_color_count = 0;
+    bool mirrored = false, is_painted = false;
     ShapeMetric metric{};
 };
 
@@ -43,7 +43,9 @@ std::vector<ObjectSize> measure_objects(const SceneRecord& record, const Vec3d& 
         size.no_area_count = built.no_area_count;
         size.bad_normal_count = built.bad_normal_count;
         size.bad_uv_count = built.bad_uv_count;
+        size.bad_color_count = built.bad_color_count;
         size.mirrored = built.mirrored;
+        size.is_painted = built.is_painted;
         size.metric = built.metric;
     });
     return sizes;
@@ -54,7 +56,7 @@ std::string object_name(const SceneRecord& record, const ObjectSize& size) {
            std::to_string(primitive_of(record, size).gltf_primitive);
 }
 
-void report_findings(const SceneRecord& record, const ObjectSize& size, std::vector<Warning>& warnings) {
+void report_findings(const SceneRecord& record, const ObjectSize& size, const BuildOptions& options, std::vector<Warning>& warnings) {
     const std::uint32_t dropped = size.not_finite_count + size.no_area_count;
     if (dropped)
         warnings.push_back({"dropped-triangles", object_name(record, size),
@@ -67,18 +69,22 @@ void report_findings(const SceneRecord& record, const ObjectSize& size, std::vec
     if (size.bad_uv_count)
         warnings.push_back({"bad-uv", object_name(record, size),
                             std::to_string(size.bad_uv_count) + " UV coordinates are not finite: (0, 0) is used"});
+    if (size.bad_color_count)
+        ValueCheck(options.bad_values, options.file, object_name(record, size), warnings)
+            .fault("vertex-colours-clamped", "COLOR_0: " + std::to_string(size.bad_color_count) + " vertices have colours that are not within 0 to 1",
+                   "the nearest that is");
 }
 
 /// Numbers of vertices and triangles per object; objects without triangles are left out.
-void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& sizes, Scene& scene,
+void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& sizes, const BuildOptions& options, Scene& scene,
                      std::vector<Warning>& warnings) {
     std::vector<std::vector<std::uint64_t>> content(record.meshes.size());
     for (std::size_t m = 0; m < record.meshes.size(); ++m)
         for (const PrimitiveRecord& primitive : record.meshes[m].primitives) content[m].push_back(content_hash_of(primitive));
 
-    std::uint64_t vertex_count = 0, triangle_count = 0;
+    std::uint64_t vertex_count = 0, triangle_count = 0, color_count = 0;
     for (const ObjectSize& size : sizes) {
-        report_findings(record, size, warnings);
+        report_findings(record, size, options, warnings);
         if (size.triangle_count == 0) continue;
         const InstanceRecord& instance = record.instances[size.instance];
         const PrimitiveRecord& primitive = primitive_of(record, size);
@@ -95,6 +101,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
         object.triangle_count = static_cast<std::uint32_t>(size.triangle_count);
         object.first_vertex = static_cast<std::uint32_t>(vertex_count);
         object.vertex_count = static_cast<std::uint32_t>(size.vertex_count);
+        if (size.is_painted) object.first_color = static_cast<std::uint32_t>(color_count), color_count += size.vertex_count;
         object.path_hash = path_hash_of(instance.node_path, primitive.gltf_primitive);
         object.content_hash = content[static_cast<std::size_t>(instance.mesh)][size.primitive];
         object.mirrored = size.mirrored;
@@ -109,6 +116,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
     scene.normals.resize(vertex_count);
     scene.shape_positions.resize(vertex_count);
     for (auto& set : scene.uv) set.resize(vertex_count);
+    scene.colors.resize(color_count);
     scene.triangles.resize(triangle_count);
     scene.source_triangle.resize(triangle_count);
     scene.triangle_object.resize(triangle_count);
@@ -125,6 +133,7 @@ void fill_objects(const SceneRecord& record, Scene& scene) {
         std::ranges::copy(built.shape_positions, scene.shape_positions.begin() + object.first_vertex);
         for (std::size_t set = 0; set < 2; ++set)
             std::ranges::copy(built.uv[set], scene.uv[set].begin() + object.first_vertex);
+        if (object.is_painted()) std::ranges::copy(built.colors, scene.colors.begin() + object.first_color);
         std::ranges::copy(built.source_triangle, scene.source_triangle.begin() + object.first_triangle);
         for (std::uint32_t t = 0; t < object.triangle_count; ++t) {
             auto triangle = built.triangles[t];
@@ -152,6 +161,18 @@ void report_missing_uv(const SceneRecord& record, const Scene& scene, std::vecto
     }
 }
 
+/// Per material the least alpha of the vertices that show it; none: nothing does.
+std::vector<std::optional<float>> least_alphas(const SceneRecord& record, const Scene& scene) {
+    std::vector<std::optional<float>> least(record.materials.size() + 1);
+    for (const Object& object : scene.objects) {
+        std::optional<float>& alpha = least[object.material];
+        if (!alpha) alpha = 1.0f;
+        if (!object.is_painted()) continue;
+        for (std::uint32_t k = 0; k < object.vertex_count; ++k) alpha = std::min(*alpha, scene.colors[object.first_color + k][3]);
+    }
+    return least;
+}
+
 }  // namespace
 
 Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,
@@ -159,12 +180,10 @@ Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const B
     Scene scene;
     scene.origin = scene_origin(record);
     const std::vector<ObjectSize> sizes = measure_objects(record, scene.origin);
-    lay_out_objects(record, sizes, scene, warnings);
+    lay_out_objects(record, sizes, options, scene, warnings);
     fill_objects(record, scene);
 
-    std::vector<bool> used(record.materials.size() + 1);
-    for (const Object& object : scene.objects) used[object.material] = true;
-    build_materials(record, used, decode, options, scene, warnings);
+    build_materials(record, least_alphas(record, scene), decode, options, scene, warnings);
     report_missing_uv(record, scene, warnings);
     build_lamps(record, options, scene, warnings);
     scene.sky = build_sky(record.sky, decode, options, warnings);

@@ -97,12 +97,29 @@ Vec2f uv_of(const PrimitiveRecord& primitive, std::size_t set, std::uint32_t ver
     return Vec2f(0, 0);
 }
 
+/// What exporters write into meshes that nobody has painted.
+bool is_painted(const PrimitiveRecord& primitive) {
+    return std::ranges::any_of(primitive.colors, [](const Rgba& color) { return color != Rgba{1, 1, 1, 1}; });
+}
+
+Rgba limited(Rgba color, ObjectGeometry& out) {
+    constexpr float rounding = 1e-6f;  // of integers that were divided
+    bool is_bad = false;
+    for (float& channel : color) {
+        is_bad = is_bad || !(channel >= -rounding && channel <= 1 + rounding);
+        channel = channel > 0 ? (channel < 1 - rounding ? channel : 1.0f) : 0.0f;
+    }
+    out.bad_color_count += is_bad;
+    return color;
+}
+
 void append_vertex(const PrimitiveRecord& primitive, std::uint32_t vertex, const Vec3f& position, const Vec3f& normal,
                    ObjectGeometry& out) {
     out.positions.push_back(position);
     out.normals.push_back(normal);
     out.shape_positions.push_back(shape_position(out.shape_root, primitive.positions[vertex]));
     for (std::size_t set = 0; set < 2; ++set) out.uv[set].push_back(uv_of(primitive, set, vertex, out));
+    if (out.is_painted) out.colors.push_back(limited(primitive.colors[vertex], out));
 }
 
 /// Without normals glTF asks for flat shading: no corner is shared.
@@ -174,6 +191,8 @@ ObjectGeometry build_object_geometry(const PrimitiveRecord& primitive, const Mat
     out.normals.reserve(vertex_bound);
     out.shape_positions.reserve(vertex_bound);
     for (auto& set : out.uv) set.reserve(vertex_bound);
+    out.is_painted = is_painted(primitive);
+    if (out.is_painted) out.colors.reserve(vertex_bound);
     out.triangles.reserve(moved.triangles.size());
     if (primitive.normals.empty()) append_flat(primitive, moved, out);
     else append_smooth(primitive, moved, turn, out);

@@ -15,15 +15,18 @@ constexpr double farthest_m = 1.05e9;
 struct ObjectGeometry {
     std::vector<Vec3f> positions, normals, shape_positions;  ///< of equal length
     std::array<std::vector<Vec2f>, 2> uv;                 ///< as long as positions
+    std::vector<Rgba> colors;                             ///< the same, 0..1; empty where the file has none, or nothing but white
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< into positions
     std::vector<std::uint32_t> source_triangle;
     std::uint32_t not_finite_count = 0;   ///< triangles dropped: a corner is not finite or beyond farthest_m
     std::uint32_t no_area_count = 0;      ///< triangles dropped: no area
     std::uint32_t bad_normal_count = 0;   ///< vertices whose normal was zero or not finite
     std::uint32_t bad_uv_count = 0;       ///< vertices whose uv was not finite: zero is used
+    std::uint32_t bad_color_count = 0;    ///< vertices whose colour was not within 0..1: the nearest that is, 0 for no number
     ShapeMetric metric{};
     std::array<double, 6> shape_root{};
     bool mirrored = false;
+    bool is_painted = false;  ///< has colors
 };
 
 ObjectGeometry build_object_geometry(const PrimitiveRecord& primitive, const Matrix44d& world, const Vec3d& origin);

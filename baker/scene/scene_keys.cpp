@@ -24,18 +24,33 @@ void add_channels(KeyBuilder& key, const Texture& texture, std::size_t first, st
     key.bytes(bytes_of(values));
 }
 
+/// Does what passes through a material take its base colour?
+bool tints(const Material& material) {
+    return material.transmission > 0 || (material.alpha_mode == AlphaMode::blend && material.blend_colours);
+}
+
+/// Colours of an object's vertices, as rays that pass through it meet them.
+void add_vertex_passage(KeyBuilder& key, const Scene& scene, const Object& object) {
+    const Material& material = scene.materials[object.material];
+    if (!object.is_painted() || !material.is_see_through()) return;
+    std::vector<float> values;
+    for (std::uint32_t k = 0; k < object.vertex_count; ++k)
+        for (std::size_t c = tints(material) ? 0 : 3; c < 4; ++c) values.push_back(scene.colors[object.first_color + k][c]);
+    key.text("vertex colours").bytes(bytes_of(values));
+}
+
 /// All that see_through.h reads of a material: only alpha of textures, unless their colours tint what passes.
 void add_passage(KeyBuilder& key, const Scene& scene, const Material& material) {
     key.integer(static_cast<int>(material.alpha_mode));
     if (!material.is_see_through()) return;
     key.text("see through 1").number(static_cast<double>(material.alpha)).number(static_cast<double>(material.alpha_cutoff));
-    const bool tints = material.transmission > 0 || (material.alpha_mode == AlphaMode::blend && material.blend_colours);
-    key.integer(tints).integer(material.blend_colours).number(static_cast<double>(material.transmission));
-    if (tints) add_rgb(key, material.pane_colour);
+    const bool is_tinted = tints(material);
+    key.integer(is_tinted).integer(material.blend_colours).number(static_cast<double>(material.transmission));
+    if (is_tinted) add_rgb(key, material.pane_colour);
     if (material.base_texture != none) {
         const Texture& texture = scene.textures[material.base_texture];
         add_use(key, texture, material.base_uv_set, material.base_transform);
-        add_channels(key, texture, tints ? 0 : 3, 3);
+        add_channels(key, texture, is_tinted ? 0 : 3, 3);
     }
     if (material.transmission_texture != none) {
         const Texture& texture = scene.textures[material.transmission_texture];
@@ -78,6 +93,7 @@ Key geometry_key_of(const Scene& scene) {
         key.integer(static_cast<std::int64_t>(object.path_hash)).integer(static_cast<std::int64_t>(object.content_hash));
         key.integer(object.first_triangle).integer(object.triangle_count).integer(scene.object_has_uv1[o]);
         key.integer(scene.materials[object.material].double_sided).key(passage_of_material[object.material]);
+        add_vertex_passage(key, scene, object);
     }
     return key.finish();
 }
@@ -85,6 +101,10 @@ Key geometry_key_of(const Scene& scene) {
 Key light_key_of(const Scene& scene) {
     KeyBuilder key("scene light");
     for (const Object& object : scene.objects) key.integer(object.material);
+    if (!scene.colors.empty()) {
+        key.text("vertex colours").bytes(bytes_of(scene.colors));
+        for (const Object& object : scene.objects) key.integer(object.first_color);
+    }
     for (const Material& material : scene.materials) {
         add_rgb(key, material.reflectance);
         add_rgb(key, material.emission);

@@ -174,11 +174,12 @@ void note_kinds(const MaterialRecord& record, const std::string& where, std::vec
 }
 
 /// Exporters mark as MASK or BLEND much that covers everywhere: such surfaces are opaque, and cost rays nothing.
-void settle_alpha(const Scene& scene, Material& material) {
+void settle_alpha(const Scene& scene, float least_of_vertices, Material& material) {
     if (material.alpha_mode == AlphaMode::opaque) return;
-    float least = material.alpha;
+    const float alpha = material.alpha * least_of_vertices;
+    float least = alpha;
     if (material.base_texture != none)
-        for (const auto& pixel : scene.textures[material.base_texture].pixels) least = std::min(least, material.alpha * pixel[3]);
+        for (const auto& pixel : scene.textures[material.base_texture].pixels) least = std::min(least, alpha * pixel[3]);
     if (least >= (material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : 1.0f)) material.alpha_mode = AlphaMode::opaque;
 }
 
@@ -218,19 +219,20 @@ void set_size(const LampRecord& record, const BuildOptions& options, Lamp& lamp,
 
 }  // namespace
 
-void build_materials(const SceneRecord& record, const std::vector<bool>& used, const ImageDecoder& decode,
+void build_materials(const SceneRecord& record, const std::vector<std::optional<float>>& least_alpha, const ImageDecoder& decode,
                      const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings) {
     TextureSet textures(record, decode, scene, warnings);
     for (std::size_t m = 0; m < record.materials.size(); ++m) {
         const MaterialRecord& from = record.materials[m];
         const std::string where = "material " + (from.name.empty() ? std::to_string(m) : "\"" + from.name + "\"");
+        const bool is_used = least_alpha[m].has_value();
         std::vector<Warning> unheard;
-        std::vector<Warning>& findings = used[m] ? warnings : unheard;
+        std::vector<Warning>& findings = is_used ? warnings : unheard;
         // What nothing shows may hold what it likes.
-        const BadValues bad_values = used[m] ? options.bad_values : BadValues::clamp;
+        const BadValues bad_values = is_used ? options.bad_values : BadValues::clamp;
         Material material = convert_material(from, ValueCheck(bad_values, options.file, where, findings));
         note_kinds(from, where, findings);
-        if (used[m] && options.textures) {
+        if (is_used && options.textures) {
             material.base_texture = textures.add(from.base_color_texture, where);
             // A texture of something that does not emit is never looked at.
             if (material.emission != Rgb(0, 0, 0)) material.emissive_texture = textures.add(from.emissive_texture, where);
@@ -238,7 +240,7 @@ void build_materials(const SceneRecord& record, const std::vector<bool>& used, c
                 material.transmission_texture = textures.add(from.transmission_texture, where, false);
         }
         material.blend_colours = options.blend_colours;
-        settle_alpha(scene, material);
+        settle_alpha(scene, least_alpha[m].value_or(1), material);
         scene.materials.push_back(std::move(material));
     }
     Material default_material;

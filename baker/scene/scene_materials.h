@@ -10,9 +10,9 @@
 
 namespace luxel {
 
-/// Fills scene.materials (one per record, and a last one for "no material") and scene.textures, of those materials for
-/// which used[m] is true: images of the others are not decoded.
-void build_materials(const SceneRecord& record, const std::vector<bool>& used, const ImageDecoder& decode,
+/// Fills scene.materials (one per record, and a last one for "no material") and scene.textures. `least_alpha`: per material the
+/// least alpha of the vertices that show it; none where nothing does: images of those are not decoded.
+void build_materials(const SceneRecord& record, const std::vector<std::optional<float>>& least_alpha, const ImageDecoder& decode,
                      const BuildOptions& options, Scene& scene, std::vector<Warning>& warnings);
 
 /// Fills scene.lamps; needs scene.origin. Lamps without a place or a direction are left out with a warning.

@@ -13,7 +13,7 @@ struct Cover {
 };
 
 Cover cover_at(const Scene& scene, const Material& material, std::uint32_t triangle, float b1, float b2) {
-    const Rgba base = surface_texture(scene, material.base_texture, material.base_uv_set, material.base_transform, triangle, b1, b2);
+    const Rgba base = surface_base(scene, triangle, b1, b2);
     float coverage = 1;
     if (material.alpha_mode != AlphaMode::opaque) coverage = material.alpha * base[3];
     if (material.alpha_mode == AlphaMode::mask) coverage = coverage >= material.alpha_cutoff ? 1.0f : 0.0f;

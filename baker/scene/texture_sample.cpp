@@ -62,8 +62,17 @@ Vec2f transformed_side(Vec2f side, const std::array<float, 6>& m) {
     return {m[0] * side.x + m[1] * side.y, m[3] * side.x + m[4] * side.y};
 }
 
-Rgba base_at(const Scene& scene, const Material& material, std::uint32_t triangle, float b1, float b2) {
-    return surface_texture(scene, material.base_texture, material.base_uv_set, material.base_transform, triangle, b1, b2);
+Rgba product(const Rgba& a, const Rgba& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]}; }
+
+/// Colour between the vertices of a triangle that is painted. Footprints may reach a little beyond it.
+Rgba vertex_color(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
+    const Object& object = scene.object_of(triangle);
+    const auto& corners = scene.triangles[triangle];
+    const auto corner = [&](std::size_t k) -> const Rgba& { return scene.colors[object.first_color + corners[k] - object.first_vertex]; };
+    const Rgba &a = corner(0), &b = corner(1), &c = corner(2);
+    Rgba color;
+    for (std::size_t i = 0; i < 4; ++i) color[i] = std::clamp(a[i] + (b[i] - a[i]) * b1 + (c[i] - a[i]) * b2, 0.0f, 1.0f);
+    return color;
 }
 
 Rgb times(const Rgb& factor, const Rgba& texture) {
@@ -77,12 +86,41 @@ Vec2f uv_side(const Scene& scene, std::uint32_t triangle, int uv_set, Vec2f side
            (surface_uv(scene, triangle, uv_set, 0, 1) - corner) * side.y;
 }
 
-Rgba mean_over(const Scene& scene, std::uint32_t texture, int uv_set, const std::array<float, 6>& transform,
-               std::uint32_t triangle, const SurfaceFootprint& footprint) {
-    return sample_texture_mean(scene.textures[texture],
-                               transformed(surface_uv(scene, triangle, uv_set, footprint.b1, footprint.b2), transform),
-                               transformed_side(uv_side(scene, triangle, uv_set, footprint.side_s), transform),
-                               transformed_side(uv_side(scene, triangle, uv_set, footprint.side_t), transform));
+/// Mean over a grid of samples; at(s, t) with s and t in [-1/2, 1/2].
+template <class At>
+Rgba grid_mean(int s_count, int t_count, const At& at) {
+    Rgba sum{};
+    for (int t = 0; t < t_count; ++t)
+        for (int s = 0; s < s_count; ++s) {
+            const Rgba value = at((static_cast<float>(s) + 0.5f) / static_cast<float>(s_count) - 0.5f,
+                                  (static_cast<float>(t) + 0.5f) / static_cast<float>(t_count) - 0.5f);
+            for (std::size_t i = 0; i < 4; ++i) sum[i] += value[i];
+        }
+    for (float& channel : sum) channel /= static_cast<float>(s_count * t_count);
+    return sum;
+}
+
+/// A footprint on a texture.
+struct TextureFootprint {
+    Vec2f uv, du, dv;
+
+    TextureFootprint(const Scene& scene, int uv_set, const std::array<float, 6>& transform, std::uint32_t triangle, const SurfaceFootprint& on)
+        : uv(transformed(surface_uv(scene, triangle, uv_set, on.b1, on.b2), transform)),
+          du(transformed_side(uv_side(scene, triangle, uv_set, on.side_s), transform)),
+          dv(transformed_side(uv_side(scene, triangle, uv_set, on.side_t), transform)) {}
+};
+
+/// Of texture times vertex colours, which vary together: a footprint may hold many pixels and all of a triangle's colours.
+Rgba mean_base(const Scene& scene, const Material& material, std::uint32_t triangle, const SurfaceFootprint& footprint) {
+    // Linear, so its mean over a part of the triangle is its value in that part's middle.
+    if (material.base_texture == none) return vertex_color(scene, triangle, footprint.b1, footprint.b2);
+    const Texture& texture = scene.textures[material.base_texture];
+    const TextureFootprint on(scene, material.base_uv_set, material.base_transform, triangle, footprint);
+    if (!scene.object_of(triangle).is_painted()) return sample_texture_mean(texture, on.uv, on.du, on.dv);
+    return grid_mean(sample_count(on.du, texture), sample_count(on.dv, texture), [&](float s, float t) {
+        const Vec2f b = Vec2f(footprint.b1, footprint.b2) + footprint.side_s * s + footprint.side_t * t;
+        return product(sample_texture(texture, on.uv + on.du * s + on.dv * t), vertex_color(scene, triangle, b.x, b.y));
+    });
 }
 
 }  // namespace
@@ -105,17 +143,8 @@ Rgba sample_texture(const Texture& texture, Vec2f uv) {
 }
 
 Rgba sample_texture_mean(const Texture& texture, Vec2f uv, Vec2f du, Vec2f dv) {
-    const int s_count = sample_count(du, texture), t_count = sample_count(dv, texture);
-    Rgba sum{};
-    for (int t = 0; t < t_count; ++t)
-        for (int s = 0; s < s_count; ++s) {
-            const float fs = (static_cast<float>(s) + 0.5f) / static_cast<float>(s_count) - 0.5f;
-            const float ft = (static_cast<float>(t) + 0.5f) / static_cast<float>(t_count) - 0.5f;
-            const Rgba value = sample_texture(texture, uv + du * fs + dv * ft);
-            for (std::size_t i = 0; i < 4; ++i) sum[i] += value[i];
-        }
-    for (float& channel : sum) channel /= static_cast<float>(s_count * t_count);
-    return sum;
+    return grid_mean(sample_count(du, texture), sample_count(dv, texture),
+                     [&](float s, float t) { return sample_texture(texture, uv + du * s + dv * t); });
 }
 
 Vec2f surface_uv(const Scene& scene, std::uint32_t triangle, int uv_set, float b1, float b2) {
@@ -132,10 +161,20 @@ Rgba surface_texture(const Scene& scene, std::uint32_t texture, int uv_set, cons
     return sample_texture(scene.textures[texture], transformed(surface_uv(scene, triangle, uv_set, b1, b2), transform));
 }
 
+Rgba surface_base(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
+    const Material& material = scene.material_of(triangle);
+    const Rgba texture = surface_texture(scene, material.base_texture, material.base_uv_set, material.base_transform, triangle, b1, b2);
+    return scene.object_of(triangle).is_painted() ? product(texture, vertex_color(scene, triangle, b1, b2)) : texture;
+}
+
+bool has_varied_base(const Scene& scene, std::uint32_t triangle) {
+    return scene.material_of(triangle).base_texture != none || scene.object_of(triangle).is_painted();
+}
+
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
     const Material& material = scene.material_of(triangle);
-    if (material.base_texture == none) return material.reflectance;
-    return times(material.reflectance, base_at(scene, material, triangle, b1, b2));
+    if (!has_varied_base(scene, triangle)) return material.reflectance;
+    return times(material.reflectance, surface_base(scene, triangle, b1, b2));
 }
 
 Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
@@ -148,24 +187,22 @@ Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float
 float surface_alpha(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
     const Material& material = scene.material_of(triangle);
     if (material.alpha_mode == AlphaMode::opaque) return 1;
-    const float alpha =
-        material.base_texture == none ? material.alpha : material.alpha * base_at(scene, material, triangle, b1, b2)[3];
+    const float alpha = has_varied_base(scene, triangle) ? material.alpha * surface_base(scene, triangle, b1, b2)[3] : material.alpha;
     if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.0f : 0.0f;
     return alpha;
 }
 
 Rgb mean_reflectance(const Scene& scene, std::uint32_t triangle, const SurfaceFootprint& footprint) {
     const Material& material = scene.material_of(triangle);
-    if (material.base_texture == none) return material.reflectance;
-    return times(material.reflectance, mean_over(scene, material.base_texture, material.base_uv_set,
-                                                 material.base_transform, triangle, footprint));
+    if (!has_varied_base(scene, triangle)) return material.reflectance;
+    return times(material.reflectance, mean_base(scene, material, triangle, footprint));
 }
 
 Rgb mean_emission(const Scene& scene, std::uint32_t triangle, const SurfaceFootprint& footprint) {
     const Material& material = scene.material_of(triangle);
     if (material.emissive_texture == none) return material.emission;
-    return times(material.emission, mean_over(scene, material.emissive_texture, material.emissive_uv_set,
-                                              material.emissive_transform, triangle, footprint));
+    const TextureFootprint on(scene, material.emissive_uv_set, material.emissive_transform, triangle, footprint);
+    return times(material.emission, sample_texture_mean(scene.textures[material.emissive_texture], on.uv, on.du, on.dv));
 }
 
 }  // namespace luxel

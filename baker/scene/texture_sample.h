@@ -1,6 +1,7 @@
 /// Texture look-ups: what colour a surface has at a point, or on average over a small area.
 ///
 /// uv         glTF's: u right, v down, (0, 0) the upper left corner of the upper left pixel; any value, wrapped.
+/// Vertex colours multiply base colour and alpha, linearly between the vertices.
 /// b1, b2     barycentric weights of corners 1 and 2 of a triangle; corner 0 has 1 - b1 - b2.
 /// returns    linear; reflectance 0..1, emission in lm/m2; alpha is what covers: 1 for OPAQUE, 0 or 1 for MASK, 0..1 for BLEND.
 /// Threads    pure functions.
@@ -11,9 +12,6 @@
 #include "baker/scene/scene.h"
 
 namespace luxel {
-
-/// Linear colour and alpha.
-using Rgba = std::array<float, 4>;
 
 /// Bilinear or nearest value at uv. White for a texture without pixels and for uv that is not finite.
 Rgba sample_texture(const Texture& texture, Vec2f uv);
@@ -28,6 +26,11 @@ Vec2f surface_uv(const Scene& scene, std::uint32_t triangle, int uv_set, float b
 /// Value of a texture as a material uses it at a point of a triangle; white for `texture` none.
 Rgba surface_texture(const Scene& scene, std::uint32_t texture, int uv_set, const std::array<float, 6>& transform,
                      std::uint32_t triangle, float b1, float b2);
+
+/// What multiplies a material's own base colour and alpha there: texture times colour of the vertices.
+Rgba surface_base(const Scene& scene, std::uint32_t triangle, float b1, float b2);
+/// Is there either of them on a triangle's object?
+bool has_varied_base(const Scene& scene, std::uint32_t triangle);
 
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2);
 Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float b2);

@@ -31,13 +31,38 @@ std::vector<Vector> read_vectors(const PrimitiveArrays& arrays, const char* sema
     return out;
 }
 
+/// COLOR_0, empty if the primitive has none or nothing that can be read as colours: then a warning.
+std::vector<std::array<float, 4>> read_colors(PrimitiveArrays& arrays, const std::string& where, std::vector<Warning>& warnings) {
+    const auto found = arrays.attributes.find("COLOR_0");
+    if (found == arrays.attributes.end()) return {};
+    AccessorBytes& elements = found->second;
+    const bool is_float = elements.component == ComponentType::f32;
+    const bool is_known = is_float || elements.component == ComponentType::u8 || elements.component == ComponentType::u16;
+    if ((elements.type != "VEC3" && elements.type != "VEC4") || !is_known) {
+        warnings.push_back({"vertex-colours", where, "COLOR_0: expected VEC3 or VEC4 of floats or normalized unsigned bytes or shorts, found " +
+                                                         elements.type + " of type " + std::to_string(static_cast<int>(elements.component)) + ": ignored"});
+        return {};
+    }
+    if (!is_float && !elements.normalized)
+        warnings.push_back({"vertex-colours", where, "COLOR_0: its integers are not marked as normalized: they are taken as if they were"});
+    elements.normalized = true;
+    const std::vector<float> numbers = to_floats(elements);
+    std::vector<std::array<float, 4>> colors(elements.count, {1, 1, 1, 1});
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        for (std::size_t c = 0; c < elements.components; ++c) colors[i][c] = numbers[i * elements.components + c];
+    return colors;
+}
+
 bool has_triangles(PrimitiveMode mode) {
     return mode == PrimitiveMode::triangles || mode == PrimitiveMode::triangle_strip || mode == PrimitiveMode::triangle_fan;
 }
 
 class MeshReader {
   public:
-    MeshReader(const GltfDocument& document, SceneRecord& record) : document_(document), record_(record) {}
+    MeshReader(const GltfDocument& document, bool vertex_colors, SceneRecord& record)
+        : document_(document), record_(record), wanted_{"NORMAL", "TEXCOORD_0", "TEXCOORD_1"} {
+        if (vertex_colors) wanted_.emplace_back("COLOR_0");
+    }
 
     void read(std::int64_t mesh) {
         const json& item = gltf_item(document_.json, "meshes", mesh, document_.name);
@@ -61,7 +86,7 @@ class MeshReader {
         if (!json_array(item, "targets", where).empty())
             warn("morph-rest-pose", where, "morph targets are ignored: the mesh is baked in its rest pose");
 
-        const PrimitiveArrays arrays = read_primitive(document_, mesh, primitive, {"NORMAL", "TEXCOORD_0", "TEXCOORD_1"});
+        PrimitiveArrays arrays = read_primitive(document_, mesh, primitive, wanted_);
         PrimitiveRecord out;
         out.gltf_primitive = static_cast<int>(primitive);
         out.material = static_cast<int>(json_index(item, "material", gltf_count(document_.json, "materials"), where));
@@ -69,6 +94,7 @@ class MeshReader {
         out.normals = read_vectors<Imath::V3f>(arrays, "NORMAL", "VEC3", where);
         out.uv[0] = read_vectors<Imath::V2f>(arrays, "TEXCOORD_0", "VEC2", where);
         out.uv[1] = read_vectors<Imath::V2f>(arrays, "TEXCOORD_1", "VEC2", where);
+        out.colors = read_colors(arrays, where, record_.warnings);
         out.indices = triangle_list(arrays.mode, arrays.indices);
         if (out.indices.empty()) return warn("no-triangles", where, "has no whole triangle: skipped");
         if (arrays.mode == PrimitiveMode::triangles && arrays.indices.size() % 3)
@@ -78,6 +104,7 @@ class MeshReader {
 
     const GltfDocument& document_;
     SceneRecord& record_;
+    std::vector<std::string> wanted_;
 };
 
 }  // namespace
@@ -119,7 +146,7 @@ SceneRecord read_scene(const GltfDocument& document, const ReadOptions& options)
         const std::string name = json_text(item, "name", "", document.name + ": mesh " + std::to_string(m));
         record.meshes.push_back({name.empty() ? "mesh " + std::to_string(m) : name, {}});
     }
-    MeshReader reader(document, record);
+    MeshReader reader(document, options.vertex_colors, record);
     for (const int mesh : shown) reader.read(mesh);
     return record;
 }

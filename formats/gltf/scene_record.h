@@ -62,6 +62,7 @@ struct PrimitiveRecord {
     std::vector<Imath::V3f> positions;
     std::vector<Imath::V3f> normals;
     std::array<std::vector<Imath::V2f>, 2> uv;  ///< TEXCOORD_0 and TEXCOORD_1
+    std::vector<std::array<float, 4>> colors;   ///< COLOR_0, as found: linear factors of base colour and alpha, 1 where it has no alpha
     std::vector<std::uint32_t> indices;
 };
 

@@ -4,7 +4,7 @@ Written from the glTF 2.0 specification for the comparison with luxel and sharin
 in nits, point and spot lamps are in candela, directional ones in lux. Metals mirror: base colour * (1 - metallicFactor) is
 diffuse; a metallic texture is not read and counts as 0. Alpha is coverage (MASK: 0 or 1 by the cutoff). KHR_materials_transmission
 makes a part of what covers a thin pane in the base colour; the rest reflects. What emits transmits nothing, and reflects
-1 - transmission.
+1 - transmission. COLOR_0 multiplies base colour and alpha.
 Compressed geometry (meshopt, Draco) is refused: give the baked file instead, which holds it decoded.
 """
 import base64
@@ -159,7 +159,7 @@ def triangle_corners(mode, order):
 
 class Scene:
     """corners (T, 3, 3) world metres, front counter-clockwise; normals (T, 3, 3) unit, geometric where the file has none;
-    uv: UV set -> (T, 3, 2); material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour, radius (metres) or sine (of half the apparent diameter).
+    uv: UV set -> (T, 3, 2); colours: (T, 3, 4) of the vertices, or None where all are white; material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour, radius (metres) or sine (of half the apparent diameter).
     lamp_radius, sun_angle: metres and degrees, of lamps that the file gives no size."""
 
     def __init__(self, path, lamp_radius=0.0, sun_angle=0.0):
@@ -234,12 +234,16 @@ class Scene:
         uv = {int(k[9:]): document.numbers(v)[rows] for k, v in attributes.items() if k.startswith("TEXCOORD_")}
         if place is not None and 1 in uv:
             uv[1] = uv[1] * place[0] + place[1]
+        colours = None
+        if "COLOR_0" in attributes:
+            found = np.clip(document.numbers(attributes["COLOR_0"]), 0, 1)
+            colours = np.concatenate([found, np.ones((len(found), 4 - found.shape[1]))], 1)[rows]
         self.objects.append(name)
-        self.parts.append((points[rows], normals, uv, primitive.get("material", len(self.materials) - 1), len(self.objects) - 1))
+        self.parts.append((points[rows], normals, uv, colours, primitive.get("material", len(self.materials) - 1), len(self.objects) - 1))
 
     def _join(self):
         kept = []
-        for corners, normals, uv, material, number in self.parts:
+        for corners, normals, uv, colours, material, number in self.parts:
             good = np.isfinite(corners).all((1, 2))
             with np.errstate(invalid="ignore"):
                 vector = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -251,13 +255,15 @@ class Scene:
                     unit = normals[good] / np.linalg.norm(normals[good], axis=2, keepdims=True)
                 smooth = np.where(np.isfinite(unit).all(2, keepdims=True), unit, smooth)
             kept.append((corners[good], smooth, {k: v[good] for k, v in uv.items()},
-                         np.full(good.sum(), material), np.full(good.sum(), number)))
+                         np.full(good.sum(), material), np.full(good.sum(), number),
+                         np.ones((good.sum(), 3, 4)) if colours is None else colours[good]))
         sets = sorted({k for part in kept for k in part[2]} | {0})
         join = lambda arrays, shape: np.concatenate(list(arrays) or [np.zeros(shape)])
         self.corners, self.normals = join((p[0] for p in kept), (0, 3, 3)), join((p[1] for p in kept), (0, 3, 3))
         self.uv = {k: join((p[2].get(k, np.zeros((len(p[0]), 3, 2))) for p in kept), (0, 3, 2)) for k in sets}
         self.material = join((p[3] for p in kept), 0).astype(int)
         self.object = join((p[4] for p in kept), 0).astype(int)
+        self.colours = join((p[5] for p in kept), (0, 3, 4)) if any(p[3] is not None for p in self.parts) else None
         vector = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0])
         self.areas = np.linalg.norm(vector, axis=1) / 2
         self.flat = vector / np.maximum(2 * self.areas, 1e-300)[:, None]

@@ -129,6 +129,8 @@ class Tracer:
         clear = [m["alpha_mode"] > 0 or m["transmission"] > 0 for m in materials]
         self.clear = U(np.array(clear, np.uint32))
         self.see_through = any(c for k, c in enumerate(clear) if k in shown)
+        self.vertex_colour = None if scene.colours is None else floats(scene.colours[..., :3])
+        self.vertex_alpha = None if scene.colours is None else floats(scene.colours[..., 3])
         self.uses = {}
         for key in keys:
             if not any(m[key] for m in materials):
@@ -156,6 +158,15 @@ class Tracer:
         colour, alpha, red = self.textures.value(U(dr.maximum(texture, 0)), uv, use)
         return dr.select(use, colour, V3(1)), dr.select(use, alpha, 1), dr.select(use, red, 1)
 
+    def _base(self, triangle, weights, material, active):
+        """What multiplies base colour and alpha: texture times colours of the vertices."""
+        colour, alpha, _ = self._texture("albedo_texture", triangle, weights, material, active)
+        if self.vertex_colour is None:
+            return colour, alpha
+        corners = [dr.gather(V3, self.vertex_colour, triangle * 3 + k, active) * weights[k] for k in range(3)]
+        alphas = [dr.gather(F, self.vertex_alpha, triangle * 3 + k, active) * weights[k] for k in range(3)]
+        return colour * (corners[0] + corners[1] + corners[2]), alpha * (alphas[0] + alphas[1] + alphas[2])
+
     def _textured(self, key, base, triangle, weights, material, active):
         return dr.gather(V3, base, material, active) * self._texture(key, triangle, weights, material, active)[0]
 
@@ -164,7 +175,7 @@ class Tracer:
         active = B(active)
         material = dr.gather(U, self.material, triangle, active)
         mode = dr.gather(U, self.alpha_mode, material, active)
-        colour, alpha, _ = self._texture("albedo_texture", triangle, weights, material, active)
+        colour, alpha = self._base(triangle, weights, material, active)
         base = dr.gather(V3, self.pane, material, active) * colour
         cover = dr.gather(F, self.alpha, material, active) * alpha
         cut = dr.select(cover >= dr.gather(F, self.cutoff, material, active), F(1), F(0))
@@ -176,8 +187,8 @@ class Tracer:
         return opacity, ((1 - cover) * beside + pane * base) / dr.maximum(1 - opacity, 1e-20)
 
     def albedo_at(self, triangle, weights, active=True):
-        return self._textured("albedo_texture", self.albedo, triangle, weights,
-                              dr.gather(U, self.material, triangle, active), B(active))
+        material = dr.gather(U, self.material, triangle, active)
+        return dr.gather(V3, self.albedo, material, active) * self._base(triangle, weights, material, B(active))[0]
 
     def nits_at(self, triangle, weights, active=True):
         return self._textured("emission_texture", self.nits, triangle, weights,

@@ -1,7 +1,7 @@
 """Irradiance by Mitsuba's own path integrator, emitters and diffuse material, in the variant scalar_rgb: no LLVM is needed.
 
 For machines where pathtrace.py cannot run, and as a second opinion on it: the two share the rays' geometry and nothing else. One ray
-at a time from Python, so for few texels; plain scenes only (no textures, nothing to see through, no spots, ranges or sizes
+at a time from Python, so for few texels; plain scenes only (no textures, no colours of vertices, nothing to see through, no spots, ranges or sizes
 of lamps, no emission on both sides), others are refused with a ValueError. At the texel: one shadow ray to Mitsuba's emitter sample, and one
 cosine ray whose first hit's own light is taken away, as the shadow ray has it.
 """
@@ -20,6 +20,8 @@ def rgb(values):
 
 
 def refuse_what_is_not_plain(scene, materials):
+    if scene.colours is not None:
+        raise ValueError("scalar_rgb is for scenes without colours of vertices only")
     for m in materials:
         if m["albedo_texture"] or m["emission_texture"] or m["alpha_mode"] or m["transmission"] > 0:
             raise ValueError(f"material {m['name']}: scalar_rgb is for plain materials only")

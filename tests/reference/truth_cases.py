@@ -32,6 +32,7 @@ CASES = [
     Case("lamps_over_floor", "samples/lamps_over_floor/lamps_over_floor.gltf", SAMPLE),
     Case("open_court", "samples/open_court/open_court.gltf", SAMPLE, SKY),
     Case("painted_room", "samples/painted_room/painted_room.gltf", SAMPLE),
+    Case("tinted_room", "samples/tinted_room/tinted_room.gltf", SAMPLE),
     Case("fence", "samples/fence/fence.gltf", SAMPLE),
     Case("glass_room", "samples/glass_room/glass_room.gltf", SAMPLE, spp=65536),
     Case("staircase", "{scenes}/staircase/staircase.glb", spp=16384,
