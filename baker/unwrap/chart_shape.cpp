@@ -78,13 +78,25 @@ Turn best_turn(const std::vector<Vec2d>& hull) {
 /// Scanline fill at sample centres. Edges are evaluated from their lower end, so triangles that share one meet exactly.
 class Sampler {
   public:
-    Sampler(const Vec2d& extent, double samples_per_metre)
-        : scale_(samples_per_metre),
-          width_(static_cast<std::size_t>(extent.x * scale_) + 1),
-          height_(static_cast<std::size_t>(extent.y * scale_) + 1),
-          covered_(width_ * height_, 0) {}
+    /// As many samples as asked for, but not more than a bound that grows with the triangles of the chart.
+    Sampler(const FlatChart& chart, double samples_per_metre) : scale_(samples_per_metre) {
+        const Vec2d extent = extent_of(chart);
+        const double most_samples = 4096 + 16.0 * static_cast<double>(chart.triangles.size());
+        const double box = extent.x * extent.y, side = std::max(extent.x, extent.y);
+        if (box * scale_ * scale_ > most_samples) scale_ = std::sqrt(most_samples / box);
+        if (side * scale_ > most_samples) scale_ = most_samples / side;
+        width_ = static_cast<std::size_t>(extent.x * scale_) + 1;
+        height_ = static_cast<std::size_t>(extent.y * scale_) + 1;
+    }
+    [[nodiscard]] std::size_t count() const { return width_ * height_; }
+    /// Where a sample lies in the chart's plane.
+    [[nodiscard]] Vec2d place(std::size_t sample) const {
+        return {(static_cast<double>(sample % width_) + 0.5) / scale_, (static_cast<double>(sample / width_) + 0.5) / scale_};
+    }
 
-    void fill(const std::array<Vec2d, 3>& uv, Coverage& coverage) {
+    /// Calls visit(sample) for all samples inside a triangle.
+    template <class Visit>
+    void fill(const std::array<Vec2d, 3>& uv, const Visit& visit) const {
         double low = uv[0].y, high = uv[0].y;
         for (const Vec2d& p : uv) low = std::min(low, p.y), high = std::max(high, p.y);
         const long first = first_sample(low), last = std::min(first_sample(high), static_cast<long>(height_));
@@ -102,23 +114,16 @@ class Sampler {
                 else
                     left = std::min(left, x), right = std::max(right, x);
             }
-            if (crossings == 2) fill_row(static_cast<std::size_t>(row), left, right, coverage);
+            if (crossings != 2) continue;
+            const long end = std::min(first_sample(right), static_cast<long>(width_));
+            for (long x = std::max(first_sample(left), 0L); x < end; ++x) visit(static_cast<std::size_t>(row) * width_ + static_cast<std::size_t>(x));
         }
     }
 
   private:
     [[nodiscard]] long first_sample(double at) const { return static_cast<long>(std::ceil(at * scale_ - 0.5)); }
-    void fill_row(std::size_t row, double left, double right, Coverage& coverage) {
-        const long end = std::min(first_sample(right), static_cast<long>(width_));
-        for (long x = std::max(first_sample(left), 0L); x < end; ++x) {
-            std::uint8_t& cell = covered_[row * width_ + static_cast<std::size_t>(x)];
-            ++(cell ? coverage.overlapped : coverage.covered);
-            cell = 1;
-        }
-    }
     double scale_;
-    std::size_t width_, height_;
-    std::vector<std::uint8_t> covered_;
+    std::size_t width_ = 0, height_ = 0;
 };
 
 }  // namespace
@@ -199,17 +204,36 @@ Vec2d extent_of(const FlatChart& chart) {
 }
 
 Coverage sample_coverage(const FlatChart& chart, double samples_per_metre) {
-    const Vec2d extent = extent_of(chart);
-    const double most_samples = 4096 + 16.0 * static_cast<double>(chart.triangles.size());
-    const double box = extent.x * extent.y;
-    double density = samples_per_metre;
-    if (box * density * density > most_samples) density = std::sqrt(most_samples / box);
-    const double side = std::max(extent.x, extent.y);
-    if (side * density > most_samples) density = most_samples / side;
+    const Sampler sampler(chart, samples_per_metre);
+    std::vector<std::uint8_t> is_covered(sampler.count(), 0);
     Coverage coverage;
-    Sampler sampler(extent, density);
-    for (const auto& uv : chart.corner_uv) sampler.fill(uv, coverage);
+    for (const auto& uv : chart.corner_uv)
+        sampler.fill(uv, [&](std::size_t sample) {
+            ++(is_covered[sample] ? coverage.overlapped : coverage.covered);
+            is_covered[sample] = 1;
+        });
     return coverage;
+}
+
+Overlap find_overlap(const FlatChart& chart, double samples_per_metre) {
+    const Sampler sampler(chart, samples_per_metre);
+    std::vector<std::uint32_t> owner(sampler.count(), none);
+    std::vector<bool> shares(chart.triangles.size()), is_shared(sampler.count());
+    Overlap overlap;
+    for (std::uint32_t t = 0; t < chart.corner_uv.size(); ++t)
+        sampler.fill(chart.corner_uv[t], [&](std::size_t sample) {
+            if (owner[sample] == none) {
+                owner[sample] = t;
+                ++overlap.covered;
+                return;
+            }
+            if (overlap.overlapped == 0) overlap.example = {owner[sample], t}, overlap.at = sampler.place(sample);
+            overlap.overlapped += !is_shared[sample];
+            is_shared[sample] = true;
+            shares[owner[sample]] = shares[t] = true;
+        });
+    overlap.triangles = static_cast<std::uint32_t>(std::count(shares.begin(), shares.end(), true));
+    return overlap;
 }
 
 bool is_valid(const ObjectMesh& mesh, const FlatChart& chart, double samples_per_metre) {

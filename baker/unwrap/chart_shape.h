@@ -47,6 +47,15 @@ struct Coverage {
 /// a bound that grows with its triangles.
 Coverage sample_coverage(const FlatChart& chart, double samples_per_metre);
 
+/// Where triangles of a chart lie on each other, by the same samples.
+struct Overlap {
+    std::uint64_t covered = 0, overlapped = 0;  ///< samples inside a triangle, inside more than one
+    std::uint32_t triangles = 0;                ///< that share a sample with another
+    std::array<std::uint32_t, 2> example{};     ///< two that share the first such sample, indexes into FlatChart::triangles
+    Vec2d at{0, 0};                             ///< that sample, in the chart's plane
+};
+Overlap find_overlap(const FlatChart& chart, double samples_per_metre);
+
 /// One side up, not torn or squeezed out of proportion, and no sample covered twice.
 bool is_valid(const ObjectMesh& mesh, const FlatChart& chart, double samples_per_metre);
 

@@ -8,47 +8,82 @@
 
 namespace luxel {
 
-std::optional<FlatChart> kept_chart(const Scene& scene, const Object& object, const ObjectMesh& mesh,
-                                    double samples_per_metre, std::string& why_not) {
+namespace {
+
+constexpr float slack = 1e-4f;  ///< exporters round
+
+/// The layout as the file has it.
+struct Layout {
     FlatChart chart;
+    Vec2d low{0, 0}, high{0, 0};
+    double uv_area = 0, area_m2 = 0;
+};
+
+Layout layout_of(const Scene& scene, const Object& object, const ObjectMesh& mesh) {
+    Layout layout;
+    FlatChart& chart = layout.chart;
     chart.triangles.resize(mesh.triangles.size());
     std::iota(chart.triangles.begin(), chart.triangles.end(), 0u);
     chart.corner_uv.resize(mesh.triangles.size());
-    double uv_area = 0, area = 0;
-    std::uint64_t outside = 0;
-    Vec2d low(1, 1);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        bool inside = true;
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = scene.triangles[object.first_triangle + t][mesh_corner(object, k)];
-            const Vec2f& uv = scene.uv[1][vertex];
-            constexpr float slack = 1e-4f;  // exporters round
-            inside = inside && uv.x >= -slack && uv.x <= 1 + slack && uv.y >= -slack && uv.y <= 1 + slack;
-            chart.corner_uv[t][k] = {uv.x, uv.y};
-            low = {std::min<double>(low.x, uv.x), std::min<double>(low.y, uv.y)};
+            const Vec2f& uv = scene.uv[1][scene.triangles[object.first_triangle + t][mesh_corner(object, k)]];
+            const Vec2d at(uv.x, uv.y);
+            if (t == 0 && k == 0) layout.low = layout.high = at;
+            layout.low = {std::min(layout.low.x, at.x), std::min(layout.low.y, at.y)};
+            layout.high = {std::max(layout.high.x, at.x), std::max(layout.high.y, at.y)};
+            chart.corner_uv[t][k] = at;
         }
-        if (!inside) ++outside;
-        uv_area += 0.5 * std::abs(signed_area2(chart.corner_uv[t]));
-        area += mesh.area_m2(t);
+        layout.uv_area += 0.5 * std::abs(signed_area2(chart.corner_uv[t]));
+        layout.area_m2 += mesh.area_m2(t);
     }
-    if (outside) {
-        why_not = fmt::format("{} of {} triangles leave the square 0..1", outside, mesh.triangles.size());
-        return std::nullopt;
+    return layout;
+}
+
+/// The tile of 1 x 1, at whole numbers, that the layout begins in.
+Vec2d tile_of(const Layout& layout) { return {std::floor(layout.low.x + slack), std::floor(layout.low.y + slack)}; }
+
+/// How much of it leaves that tile, and where; empty if nothing does.
+std::string what_leaves(const Layout& layout) {
+    const Vec2d tile = tile_of(layout);
+    std::size_t outside = 0;
+    Vec2d example(0, 0);
+    for (const auto& uv : layout.chart.corner_uv) {
+        const auto out = std::find_if(uv.begin(), uv.end(), [&](const Vec2d& p) { return p.x > tile.x + 1 + slack || p.y > tile.y + 1 + slack; });
+        if (out == uv.end()) continue;
+        if (outside++ == 0) example = *out;
     }
-    if (!(uv_area > 1e-12)) {
+    if (!outside) return {};
+    return fmt::format("{} of {} triangles leave the tile {:.0f}..{:.0f}, {:.0f}..{:.0f} that the layout begins in, for example at ({:.6g}, {:.6g})", outside,
+                       layout.chart.triangles.size(), tile.x, tile.x + 1, tile.y, tile.y + 1, example.x, example.y);
+}
+
+}  // namespace
+
+std::optional<FlatChart> kept_chart(const Scene& scene, const Object& object, const ObjectMesh& mesh,
+                                    double samples_per_metre, std::string& why_not) {
+    Layout layout = layout_of(scene, object, mesh);
+    why_not = what_leaves(layout);
+    if (!why_not.empty()) return std::nullopt;
+    if (!(layout.uv_area > 1e-12)) {
         why_not = "the coordinates cover no area";
         return std::nullopt;
     }
-    const double scale = std::sqrt(area / uv_area);
-    for (auto& uv : chart.corner_uv)
-        for (Vec2d& p : uv) p = (p - low) * scale;
-    const Coverage coverage = sample_coverage(chart, samples_per_metre);
-    if (static_cast<double>(coverage.overlapped) > 1e-3 * static_cast<double>(coverage.covered)) {
-        why_not =
-            fmt::format("{} of {} sample points are covered more than once", coverage.overlapped, coverage.covered);
+    const double scale = std::sqrt(layout.area_m2 / layout.uv_area);
+    for (auto& uv : layout.chart.corner_uv)
+        for (Vec2d& p : uv) p = (p - layout.low) * scale;
+    const Overlap overlap = find_overlap(layout.chart, samples_per_metre);
+    constexpr double most_overlap = 1e-3;  // of what is covered: neighbours that rounding has put over each other
+    if (static_cast<double>(overlap.overlapped) > most_overlap * static_cast<double>(overlap.covered)) {
+        const Vec2d at = overlap.at / scale + layout.low;
+        const std::array<std::uint32_t, 2> source{scene.source_triangle[object.first_triangle + overlap.example[0]],
+                                                  scene.source_triangle[object.first_triangle + overlap.example[1]]};
+        why_not = fmt::format("{} of {} triangles overlap others, on {:.2g} % of the area that is covered, for example triangles {} and {} of the primitive at ({:.6g}, {:.6g})",
+                              overlap.triangles, mesh.triangles.size(),
+                              100 * static_cast<double>(overlap.overlapped) / static_cast<double>(overlap.covered), source[0], source[1], at.x, at.y);
         return std::nullopt;
     }
-    return chart;
+    return std::move(layout.chart);
 }
 
 }  // namespace luxel

@@ -8,7 +8,8 @@
 namespace luxel {
 
 /// One chart with the whole layout of Scene::uv[1], scaled so that its area is the object's area; relative places stay.
-/// Nothing, and `why_not` set, if coordinates leave 0..1, have no area, or overlap by more than a thousandth.
+/// Nothing, and `why_not` set, if coordinates do not fit into one tile of 1 x 1 at whole numbers (0..1, or any other), have no area, or
+/// overlap on more than a thousandth of theirs. It says how many triangles that are, which, and a coordinate to look at.
 std::optional<FlatChart> kept_chart(const Scene& scene, const Object& object, const ObjectMesh& mesh,
                                     double samples_per_metre, std::string& why_not);
 

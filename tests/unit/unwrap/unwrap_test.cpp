@@ -277,6 +277,62 @@ TEST(Unwrap, ReplacesASecondUvSetThatOverlapsOrLeavesTheSquare) {
     }
 }
 
+/// What a warning says of the second UV set of an object; empty: it was kept.
+std::string why_not_kept(const Scene& scene) {
+    UnwrapOptions options;
+    options.uv_mode = UvMode::keep;
+    std::vector<Warning> warnings;
+    expect_sound(scene, unwrap(scene, options, warnings, {}));
+    for (const Warning& warning : warnings)
+        if (warning.code == "uv-not-kept") return warning.where + ": " + warning.text;
+    return {};
+}
+
+TEST(Unwrap, SaysWhereASecondUvSetOverlaps) {
+    // Four squares of a row, the last of them on the first but for a half: 4 of 8 triangles share an eighth of the row's area.
+    test::MadeMesh mesh;
+    for (std::uint32_t k = 0; k < 4; ++k) {
+        const auto x = static_cast<float>(k), u = k == 3 ? 0.1f : 0.2f * x;
+        const std::uint32_t first = 4 * k;
+        for (const auto& [dx, dy] : {std::pair{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}}) {
+            mesh.positions.emplace_back(2 * x + dx, dy, 0.0f);
+            mesh.uv1.emplace_back(u + (k == 3 ? 0.1f : 0.2f) * dx, 0.5f + (k == 3 ? 0.1f : 0.2f) * dy);
+        }
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+    }
+    Scene scene;
+    add_object(scene, "plain", test::box(1, 1, 1), 2);
+    add_object(scene, "row", mesh, 1);
+    scene.object_has_uv1 = {false, true};
+    const std::string text = why_not_kept(scene);
+    EXPECT_NE(text.find("row: "), std::string::npos) << text;
+    EXPECT_NE(text.find("of 8 triangles overlap others"), std::string::npos) << text;
+    // It lies in the right half of the first square.
+    double u = 0, v = 0, percent = 0;
+    unsigned count = 0;
+    const auto at = text.find("at (");
+    ASSERT_NE(at, std::string::npos) << text;
+    ASSERT_EQ(std::sscanf(text.c_str() + at, "at (%lf, %lf)", &u, &v), 2);
+    EXPECT_TRUE(u > 0.1 && u < 0.2 && v > 0.5 && v < 0.6) << text;
+    ASSERT_EQ(std::sscanf(text.c_str() + text.find("lightmap: "), "lightmap: %u of", &count), 1) << text;
+    EXPECT_EQ(count, 3u) << "the lower triangle of the first square, and both of the last";
+    ASSERT_EQ(std::sscanf(text.c_str() + text.find(" on ") + 1, "on %lf %%", &percent), 1) << text;
+    EXPECT_NEAR(percent, 100 * 0.01 / 0.12, 1) << text;
+}
+
+TEST(Unwrap, ASecondUvSetMayLieInAnyTile) {
+    const auto shifted = [](float x, float y) {
+        Scene scene;
+        add_object(scene, "tile", quad_with_uv({{{x, y}, {x + 1, y}, {x + 1, y + 0.5f}, {x, y + 0.5f}}}), 1);
+        return scene;
+    };
+    for (const auto& [x, y] : {std::pair{0.0f, 0.0f}, {3.0f, 0.25f}, {-2.0f, 7.0f}, {0.0f, -0.5f}}) EXPECT_EQ(why_not_kept(shifted(x, y)), "") << x << ' ' << y;
+    const std::string text = why_not_kept(shifted(0.25f, 3));
+    EXPECT_NE(text.find("2 of 2 triangles leave the tile 0..1, 3..4"), std::string::npos) << text;
+    EXPECT_NE(text.find("at (1.25, 3)"), std::string::npos) << text;
+}
+
 TEST(Density, StepsAreCoarse) {
     EXPECT_EQ(automatic_density(100, 1024), automatic_density(101, 1024));
     for (double area = 1e-6; area < 1e9; area *= 3.7) {
