@@ -62,7 +62,7 @@ class TextureSet {
         }
         const TextureRecord& texture = record_.textures[static_cast<std::size_t>(use.texture)];
         if (texture.image < 0) return none;
-        const auto key = std::tuple(texture.image, texture.wrap_s, texture.wrap_t, texture.nearest, is_colour);
+        const auto key = std::tuple(texture.image, texture.other, texture.wrap_s, texture.wrap_t, texture.nearest, is_colour);
         if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
         const std::uint32_t index = make(texture, is_colour);
         textures_.emplace(key, index);
@@ -71,12 +71,18 @@ class TextureSet {
 
   private:
     std::uint32_t make(const TextureRecord& record, bool is_colour) {
+        const bool has_other = record.other >= 0;
+        const std::uint32_t made = make(record, record.image, is_colour, has_other ? "the picture beside it is taken" : "the texture counts as white");
+        return made == none && has_other ? make(record, record.other, is_colour, "the texture counts as white") : made;
+    }
+
+    std::uint32_t make(const TextureRecord& record, int image_index, bool is_colour, const char* instead) {
         Texture made;
-        const std::pair image(record.image, is_colour);
+        const std::pair image(image_index, is_colour);
         if (const auto twin = first_of_image_.find(image); twin != first_of_image_.end()) {
             if (twin->second == none) return none;
             made = scene_.textures[twin->second];
-        } else if (!load(record.image, is_colour, made)) {
+        } else if (!load(image_index, is_colour, instead, made)) {
             first_of_image_.emplace(image, none);
             return none;
         }
@@ -89,14 +95,14 @@ class TextureSet {
         return index;
     }
 
-    bool load(int image_index, bool is_colour, Texture& into) {
+    bool load(int image_index, bool is_colour, const char* instead, Texture& into) {
         const ImageRecord& image = record_.images[static_cast<std::size_t>(image_index)];
         if (image.bytes.empty()) return false;  // the reader has said why
         std::optional<DecodedImage> decoded = decode_ ? decode_(image.bytes, image.name) : std::nullopt;
         const bool fits = decoded && decoded->width > 0 && decoded->height > 0 &&
                           decoded->rgba.size() == std::size_t{decoded->width} * decoded->height;
         if (!fits) {
-            warnings_.push_back({"image-undecoded", image.name, "the image cannot be decoded; the texture counts as white"});
+            warnings_.push_back({"image-undecoded", image.name, std::string("the image cannot be decoded; ") + instead});
             return false;
         }
         into.width = decoded->width;
@@ -109,7 +115,7 @@ class TextureSet {
     const ImageDecoder& decode_;
     Scene& scene_;
     std::vector<Warning>& warnings_;
-    std::map<std::tuple<int, WrapMode, WrapMode, bool, bool>, std::uint32_t> textures_;
+    std::map<std::tuple<int, int, WrapMode, WrapMode, bool, bool>, std::uint32_t> textures_;
     std::map<std::pair<int, bool>, std::uint32_t> first_of_image_;
 };
 

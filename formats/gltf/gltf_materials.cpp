@@ -120,7 +120,7 @@ TextureRecord read_texture(const GltfDocument& document, std::int64_t index, std
     std::int64_t image = json_index(item, "source", image_count, where);
     if (const json* webp = json_extension(item, "EXT_texture_webp", where)) {
         const std::int64_t better = json_index(*webp, "source", image_count, where);
-        if (better >= 0) image = better;
+        if (better >= 0) texture.other = static_cast<int>(image), image = better;
     }
     texture.image = static_cast<int>(image);
     if (image < 0)
@@ -197,18 +197,21 @@ void read_materials(const GltfDocument& document, bool external_images, SceneRec
         used_textures.insert(record.materials.back().emissive_texture.texture);
         used_textures.insert(record.materials.back().transmission_texture.texture);
     }
-    std::set<int> used_images;
+    std::set<int> used_images, replaceable;
     for (std::size_t t = 0; t < texture_count; ++t) {
         std::vector<Warning> unused;
         const bool is_used = used_textures.contains(static_cast<int>(t));
         record.textures.push_back(read_texture(document, static_cast<std::int64_t>(t), is_used ? record.warnings : unused));
-        if (is_used) used_images.insert(record.textures.back().image);
+        const TextureRecord& texture = record.textures.back();
+        if (is_used) used_images.insert({texture.image, texture.other});
+        if (texture.other >= 0) replaceable.insert(texture.image);
     }
     for (std::size_t i = 0; i < gltf_count(document.json, "images"); ++i) {
         record.images.push_back(describe_image(document, static_cast<std::int64_t>(i)));
         if (used_images.contains(static_cast<int>(i)))
             load_image(document, static_cast<std::int64_t>(i), external_images, record.images.back(),
-                       "; the texture counts as white", record.warnings);
+                       replaceable.contains(static_cast<int>(i)) ? "; the picture beside it is taken" : "; the texture counts as white",
+                       record.warnings);
     }
 }
 

@@ -27,6 +27,7 @@ struct TextureRecord {
     int image = -1;  ///< index into images, or -1: cannot be decoded here (a warning names the extension)
     WrapMode wrap_s = WrapMode::repeat, wrap_t = WrapMode::repeat;
     bool nearest = false;  ///< magFilter NEAREST
+    int other = -1;  ///< the same in another format, for readers that cannot decode `image`; -1: none
 };
 
 /// A texture as a material uses it. uv' = (a*u + b*v + c, d*u + e*v + f), from KHR_texture_transform.

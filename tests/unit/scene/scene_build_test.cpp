@@ -358,6 +358,24 @@ TEST(SceneBuild, TexturesAreDecodedOnceAndLinear) {
     EXPECT_EQ(pixels[1][3], 0.0f);
 }
 
+TEST(SceneBuild, ThePictureBesideOneThatCannotBeDecodedIsTaken) {
+    SceneRecord record = textured_record();
+    std::size_t broken = 0;
+    while (record.images[broken].name != "broken") ++broken;
+    for (TextureRecord& texture : record.textures)
+        if (texture.image == static_cast<int>(broken)) texture.other = 0;
+    const ImageDecoder decode = [](ByteView, const std::string& name) -> std::optional<DecodedImage> {
+        if (name == "broken") return std::nullopt;
+        return DecodedImage{1, 1, {{1.0f, 0.0f, 0.0f, 1.0f}}};
+    };
+    const Built built(record, decode);
+    ASSERT_NE(built.scene.materials[2].base_texture, none);
+    EXPECT_EQ(built.scene.textures[built.scene.materials[2].base_texture].pixels[0], (Rgba{1, 0, 0, 1}));
+    EXPECT_EQ(built.count("image-undecoded"), 1);
+    const auto said = std::ranges::find(built.warnings, std::string("image-undecoded"), &Warning::code);
+    EXPECT_NE(said->text.find("the picture beside it is taken"), std::string::npos) << said->text;
+}
+
 TEST(SceneBuild, TexturesWithoutCoordinatesAreNamed) {
     SceneRecord record = textured_record();
     record.materials[0].base_color_texture.uv_set = 1;
