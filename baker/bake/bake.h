@@ -54,6 +54,7 @@ struct BakeOptions {
     std::string scene;          ///< number or name in the file; empty: the default one
     bool skip_skinned = false;  ///< leave out nodes with a skin
     bool vertex_colors = true;  ///< COLOR_0 multiplies base colour and alpha
+    std::filesystem::path settings;  ///< of nodes (docs/settings.md); empty: what the file's extras say
     bool allow_outside = false; ///< the file may refer to others outside of its folder
     BadValues bad_values = BadValues::clamp;  ///< numbers of materials and lamps that cannot be
     double lamp_radius = 0;        ///< metres, of point and spot lamps that give none

@@ -13,6 +13,7 @@
 #include "baker/unwrap/atlas_file.h"
 #include "formats/base/file.h"
 #include "formats/gltf/gltf_in.h"
+#include "formats/gltf/node_settings.h"
 #include "formats/image/image_file.h"
 
 namespace luxel {
@@ -50,22 +51,29 @@ SkyWish read_sky(const SkyChoice& choice) {
 }
 
 Key atlas_key(const Scene& scene, const UnwrapOptions& o) {
-    return KeyBuilder("atlas 2")
-        .key(scene.geometry_key)
+    KeyBuilder key("atlas 2");
+    key.key(scene.geometry_key)
         .number(o.texels_per_metre)
         .integer(o.page_size)
         .integer(o.padding)
         .integer(static_cast<int>(o.uv_mode))
         .integer(static_cast<int>(o.instances))
-        .integer(o.piece_triangles)
-        .finish();
+        .integer(o.piece_triangles);
+    for (std::size_t n = 0; n < scene.objects.size(); ++n) {
+        const Object& object = scene.objects[n];
+        if (!object.has_lightmap || object.texels_per_metre > 0)
+            key.text("own").integer(static_cast<std::int64_t>(n)).integer(object.has_lightmap).number(static_cast<double>(object.texels_per_metre));
+    }
+    return key.finish();
 }
 
 void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     g.document = load_gltf(options.input, options.allow_outside);
+    const SettingsFile settings = options.settings.empty() ? SettingsFile() : parse_settings(read_file(options.settings), options.settings.filename().string());
     g.record = read_scene(g.document, {.scene = options.scene.empty() ? -1 : find_scene(g.document, options.scene),
                                        .skip_skinned = options.skip_skinned,
-                                       .vertex_colors = options.vertex_colors});
+                                       .vertex_colors = options.vertex_colors,
+                                       .settings = &settings});
     report.warnings.insert(report.warnings.end(), g.document.warnings.begin(), g.document.warnings.end());
     report.warnings.insert(report.warnings.end(), g.record.warnings.begin(), g.record.warnings.end());
     const BuildOptions build{.bad_values = options.bad_values,
@@ -78,6 +86,9 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
     if (g.scene.triangles.empty())
         throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",
                     "nothing can be baked; check that the default scene shows a mesh");
+    if (std::ranges::none_of(g.scene.objects, [](const Object& object) { return object.has_lightmap; }))
+        throw Error(ErrorCode::bad_input, options.input.string(), "no node has a lightmap: its settings, or those of its mesh, say so of each",
+                    "\"lightmap\" and \"receive\" must not be false for all; docs/settings.md says what else stops or reflects light");
     report.triangles = g.scene.triangle_count();
 }
 
@@ -94,7 +105,8 @@ bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const St
         save_atlas(path, key, g.atlas);
     }
     report.charts = g.atlas.charts.size();
-    report.pages = g.atlas.page_count;
+    g.shown_pages = shown_page_count(g.scene, g.atlas);
+    report.pages = g.shown_pages;
     report.texels_per_metre = static_cast<double>(g.atlas.texels_per_metre);
     return reused;
 }
@@ -182,6 +194,8 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
     if (options.seams == SeamMode::join)
         clock.stage("seams", [&] {
             g->seams = find_seams(g->scene, g->atlas);
+            const auto is_hidden = [&](const SeamSide& side) { return g->atlas.charts[g->atlas.triangle_chart[side.triangle]].page >= g->shown_pages; };
+            std::erase_if(g->seams, [&](const Seam& seam) { return is_hidden(seam.a) || is_hidden(seam.b); });
             return false;
         });
     clock.stage("patches", [&] {

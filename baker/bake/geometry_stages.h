@@ -20,7 +20,8 @@ struct BakedGeometry {
     Scene scene;
     Atlas atlas;
     TexelSet texels;
-    std::vector<Seam> seams;  ///< empty if none are to be joined
+    std::uint32_t shown_pages = 0;  ///< pages of the atlas that are lightmaps; those behind them serve the computation alone
+    std::vector<Seam> seams;  ///< of those; empty if none are to be joined
     PatchSet patches;  ///< numbered by chunk, open backs included
     ChunkLayout layout;
     std::unique_ptr<Tracer> tracer;  ///< refers to `scene`

@@ -61,7 +61,7 @@ std::vector<InstanceLayout> instance_layouts(const BakedGeometry& g, SharedNodes
     std::map<std::tuple<std::uint32_t, std::uint32_t, int>, std::shared_ptr<const MeshLayout>> shared;
     const std::vector<Placed> placed = placed_instances(g);
     for (std::size_t i = 0; i < layouts.size(); ++i) {
-        if (placed[i].objects.empty()) continue;
+        if (placed[i].objects.empty() || !g.scene.objects[placed[i].objects[0]].has_lightmap) continue;
         const int mesh = g.record.instances[i].mesh;
         const bool is_split = shared_nodes == SharedNodes::split && g.record.instances[i].gpu_instance >= 0;
         const CopyBlock& block = placed[i].block && !is_split ? *placed[i].block : whole_page;

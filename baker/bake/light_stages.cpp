@@ -55,7 +55,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     BakedLight light;
     light.key = light_key(options, solution.key);
     if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
-    std::uint32_t missing = g.atlas.page_count;
+    std::uint32_t missing = g.shown_pages;
     TexelErrors errors;
     clock.stage("light", [&] {
         if (!solution.is_whole) return false;
@@ -64,11 +64,13 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
             light.texel_light = [&g, folder = light.folder, key = light.key](std::uint32_t page) {
                 return load_page_light(BakeFolder::lightmap_file(folder, page), key, g.texels.pages[page].texels.size()).value_or(std::vector<TexelLight>());
             };
-        ProgressCounter progress(g.texels.texel_count(), clock.progress("texels"));
+        std::uint64_t texel_count = 0;
+        for (std::uint32_t page = 0; page < g.shown_pages; ++page) texel_count += g.texels.pages[page].texels.size();
+        ProgressCounter progress(texel_count, clock.progress("texels"));
         PageLighter lighter(options, g, sources, matrix, solution);
         bool reused = true;
         missing = 0;
-        for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
+        for (std::uint32_t page = 0; page < g.shown_pages; ++page) {
             const auto path = BakeFolder::lightmap_file(light.folder, page);
             const std::size_t texels = g.texels.pages[page].texels.size();
             if (const auto known = load_page_light(path, light.key, texels)) {
@@ -91,7 +93,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
         light.state = "stopped";
         std::error_code not_empty;
         if (!light.folder.empty()) std::filesystem::remove(light.folder, not_empty);
-        note_stop(report, "light", std::to_string(missing) + " of " + std::to_string(g.atlas.page_count) +
+        note_stop(report, "light", std::to_string(missing) + " of " + std::to_string(g.shown_pages) +
                                        " pages are interpolated from the patches");
     } else {
         if (report.stopped) light.state = "stopped";

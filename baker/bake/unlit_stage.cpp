@@ -26,7 +26,7 @@ std::filesystem::path unlit_path(const BakeOptions& options) {
 UnlitReport write_unlit(const BakeOptions& options, const BakedGeometry& g, const BakedLight& light, const JoinedSeams& seams,
                         WrittenOutputs& written) {
     BrightnessCount count;
-    for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) count.add(page_of(options, g, light, seams, page));
+    for (std::uint32_t page = 0; page < g.shown_pages; ++page) count.add(page_of(options, g, light, seams, page));
     UnlitReport report;
     report.exposure = options.unlit_exposure > 0 ? options.unlit_exposure : 1 / count.value_of_share(shown_share);
     report.cut_share = count.share_above(1 / report.exposure);
@@ -35,7 +35,7 @@ UnlitReport write_unlit(const BakeOptions& options, const BakedGeometry& g, cons
     pages.version = options.software;
     pages.is_unlit = true;
     const auto path = unlit_path(options);
-    for (std::uint32_t page = 0; page < g.atlas.page_count; ++page) {
+    for (std::uint32_t page = 0; page < g.shown_pages; ++page) {
         const std::string name = "unlit" + std::to_string(page) + ".srgb8";
         pages.pages.push_back({name, unlit_png(page_of(options, g, light, seams, page), g.atlas.page_size, report.exposure, options.software), 1});
         written.outputs.push_back({path.string() + "#" + name, "unlit", "luminance", "nit", "srgb8", 1 / report.exposure});

@@ -43,10 +43,10 @@ class Writer {
         sidecar_.texels_per_metre = static_cast<double>(g_.atlas.texels_per_metre);
         sidecar_.profile = viewer_profile_info(options_.profile).name;
         lightmaps_.meaning = meaning();
-        for (std::uint32_t page = 0; page < g_.atlas.page_count; ++page) {
+        for (std::uint32_t page = 0; page < g_.shown_pages; ++page) {
             const std::vector<std::uint8_t> mask = write_page(page);
             if (!options_.layers.empty() && light_.state != "preview") write_layers(page, mask);
-            if (progress) progress(page + 1, g_.atlas.page_count + 1);
+            if (progress) progress(page + 1, g_.shown_pages + 1);
         }
         lightmaps_.instances = instance_layouts(g_);
         const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_);

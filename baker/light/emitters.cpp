@@ -20,7 +20,7 @@ float power_of(const Patch& patch) {
 EmitterSet::EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches)
     : patches_(patches), member_of_(patches.count(), none) {
     for (PatchNumber p = 0; p < patches.count(); ++p)
-        if (power_of(patches.patches[p]) > 0 && !scene.material_of(patches.fragments_of(p).front().triangle).is_see_through())
+        if (power_of(patches.patches[p]) > 0 && !scene.is_see_through(patches.fragments_of(p).front().triangle))
             members_.push_back({p, 0, 0});
     // By surface, then raster: neighbours lie together, and the order does not depend on chunks.
     std::sort(members_.begin(), members_.end(), [&](const Member& a, const Member& b) { return place(a.patch) < place(b.patch); });

@@ -90,7 +90,7 @@ bool has_tinting_panes(const Scene& scene) {
         const Material& m = scene.materials[object.material];
         const bool takes_colour = m.transmission > 0 || (m.alpha_mode == AlphaMode::blend && m.blend_colours);
         const bool is_grey = m.base_texture == none && !object.is_painted() && m.pane_colour == Rgb(m.pane_colour.x, m.pane_colour.x, m.pane_colour.x);
-        return takes_colour && !is_grey;
+        return object.casts && takes_colour && !is_grey;
     });
 }
 

@@ -236,7 +236,7 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
             const auto number = static_cast<PatchNumber>(first_patch[c] + i);
             Patch& patch = set.patches[number] = mean_patch(scene, atlas, page, source.texels);
             patch.chart = static_cast<std::uint32_t>(c);
-            patch.id = patch_id(scene.objects[chart.object], chart, atlas.texels_per_metre, options.patch_texels,
+            patch.id = patch_id(scene.objects[chart.object], chart, scene.objects[chart.object].density(atlas.texels_per_metre), options.patch_texels,
                                 source.cell_x, source.cell_y, source.set, false, 0);
             write_patch(scene, atlas, page, source, number, set.fragment_begin[number], set.page_patch[chart.page], set);
         }

@@ -70,7 +70,7 @@ FragmentPassage fragment_passage(const Scene& scene, const Atlas& atlas, const F
 
 void thin_see_through(const Scene& scene, const Atlas& atlas, TexelSet& texels) {
     const bool any = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                 [&](const Object& o) { return scene.materials[o.material].is_see_through(); });
+                                 [&](const Object& o) { return !o.casts || scene.materials[o.material].is_see_through(); });
     if (!any) return;
     for (PageTexels& page : texels.pages)
         parallel_for(page.texels.size(), 256, [&](std::size_t t) {
@@ -78,7 +78,7 @@ void thin_see_through(const Scene& scene, const Atlas& atlas, TexelSet& texels) 
             bool changed = false;
             for (std::uint32_t f = texel.first_fragment; f < texel.first_fragment + texel.fragment_count; ++f) {
                 Fragment& fragment = page.fragments[f];
-                if (fragment.visible_parts == 0 || !scene.material_of(fragment.triangle).is_see_through()) continue;
+                if (fragment.visible_parts == 0 || !scene.is_see_through(fragment.triangle)) continue;
                 const FragmentPassage passage = fragment_passage(scene, atlas, fragment);
                 fragment.visible = static_cast<VisibleCells>(fragment.visible & passage.covered);
                 const float parts = static_cast<float>(fragment.visible_parts) * passage.mean.opacity;

@@ -46,7 +46,7 @@ void average_texel(const Scene& scene, const Atlas& atlas, const PageTexels& pag
         if (weight <= 0) continue;
         const Material& material = scene.material_of(fragment.triangle);
         weights += weight;
-        if (material.is_see_through()) {
+        if (scene.is_see_through(fragment.triangle)) {
             const SeeThroughMean mean = fragment_passage(scene, atlas, fragment).mean;
             reflectance += to_double(mean.reflectance) * weight;
             emission += to_double(mean.emission) * weight;

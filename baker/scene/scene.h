@@ -37,7 +37,6 @@ struct Material {
     std::uint32_t emissive_texture = none;
     int emissive_uv_set = 0;
     std::array<float, 6> emissive_transform{1, 0, 0, 0, 1, 0};
-    bool double_sided = false;
     /// opaque too where no alpha of the material lets anything through: what is left can be seen through somewhere.
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
@@ -66,8 +65,16 @@ struct Object {
     ShapeMetric metric{};            ///< of the instance: with content_hash it says which objects show the same shape
     bool shares_node = false;        ///< a copy by EXT_mesh_gpu_instancing: node and materials are shared with others
     bool mirrored = false;           ///< negative determinant: winding was swapped so that fronts stay fronts
+    /// As the material or, before it, the node's settings say (formats/gltf/node_settings.h, docs/settings.md).
+    bool double_sided = false;
+    bool casts = true;         ///< false: rays pass as if it were not there; its own texels receive light
+    bool receives = true;      ///< false: it reflects nothing
+    bool has_lightmap = true;  ///< false: its places on pages serve the computation alone
+    float texels_per_metre = 0;  ///< 0: the scene's
 
     [[nodiscard]] bool is_painted() const { return first_color != none; }
+    /// Texels per metre, where the scene has so many.
+    [[nodiscard]] float density(float of_scene) const { return texels_per_metre > 0 ? texels_per_metre : of_scene; }
 };
 
 struct Lamp {
@@ -125,6 +132,8 @@ struct Scene {
         return positions[triangles[triangle][static_cast<std::size_t>(k)]];
     }
     [[nodiscard]] const Object& object_of(std::uint32_t triangle) const { return objects[triangle_object[triangle]]; }
+    /// Does light pass a triangle, in part or altogether?
+    [[nodiscard]] bool is_see_through(std::uint32_t triangle) const { return !object_of(triangle).casts || material_of(triangle).is_see_through(); }
     [[nodiscard]] const Material& material_of(std::uint32_t triangle) const { return materials[object_of(triangle).material]; }
     /// Cross product of two edges: twice the area times the geometric normal. Never zero: such triangles are dropped.
     [[nodiscard]] Vec3d area_vector(std::uint32_t triangle) const {

@@ -75,6 +75,14 @@ void report_findings(const SceneRecord& record, const ObjectSize& size, const Bu
                    "the nearest that is");
 }
 
+void settle(const NodeSettings& settings, bool double_sided, Object& object) {
+    object.double_sided = settings.two_sided.value_or(double_sided);
+    object.casts = settings.cast_shadow.value_or(true);
+    object.receives = settings.receive.value_or(true);
+    object.has_lightmap = settings.lightmap.value_or(true) && object.receives;
+    object.texels_per_metre = static_cast<float>(settings.texels_per_metre.value_or(0));
+}
+
 /// Numbers of vertices and triangles per object; objects without triangles are left out.
 void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& sizes, const BuildOptions& options, Scene& scene,
                      std::vector<Warning>& warnings) {
@@ -106,6 +114,7 @@ void lay_out_objects(const SceneRecord& record, const std::vector<ObjectSize>& s
         object.content_hash = content[static_cast<std::size_t>(instance.mesh)][size.primitive];
         object.mirrored = size.mirrored;
         object.shares_node = instance.gpu_instance >= 0;
+        settle(instance.settings, primitive.material >= 0 && record.materials[static_cast<std::size_t>(primitive.material)].double_sided, object);
         object.metric = size.metric;
         scene.objects.push_back(std::move(object));
         scene.object_has_uv1.push_back(!primitive.uv[1].empty());
@@ -142,6 +151,13 @@ void fill_objects(const SceneRecord& record, Scene& scene) {
             scene.triangle_object[object.first_triangle + t] = static_cast<std::uint32_t>(o);
         }
     });
+}
+
+/// Who hides a lamp's glass from shadows may not know that its light is gone too.
+void report_lost_emission(const Scene& scene, std::vector<Warning>& warnings) {
+    for (const Object& object : scene.objects)
+        if (!object.casts && scene.materials[object.material].emission != Rgb(0, 0, 0))
+            warnings.push_back({"emission-left-out", object.name, "it casts no shadow, so light does not know of it: what it emits lights nothing"});
 }
 
 /// Textures need coordinates: viewers take (0, 0) for all, so does the scene, but that is seldom meant.
@@ -185,6 +201,7 @@ Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const B
 
     build_materials(record, least_alphas(record, scene), decode, options, scene, warnings);
     report_missing_uv(record, scene, warnings);
+    report_lost_emission(scene, warnings);
     build_lamps(record, options, scene, warnings);
     scene.sky = build_sky(record.sky, decode, options, warnings);
     scene.geometry_key = geometry_key_of(scene);

@@ -92,8 +92,9 @@ Key geometry_key_of(const Scene& scene) {
         const Object& object = scene.objects[o];
         key.integer(static_cast<std::int64_t>(object.path_hash)).integer(static_cast<std::int64_t>(object.content_hash));
         key.integer(object.first_triangle).integer(object.triangle_count).integer(scene.object_has_uv1[o]);
-        key.integer(scene.materials[object.material].double_sided).key(passage_of_material[object.material]);
+        key.integer(object.double_sided).key(passage_of_material[object.material]);
         add_vertex_passage(key, scene, object);
+        if (!object.casts) key.text("casts no shadow");
     }
     return key.finish();
 }
@@ -101,6 +102,8 @@ Key geometry_key_of(const Scene& scene) {
 Key light_key_of(const Scene& scene) {
     KeyBuilder key("scene light");
     for (const Object& object : scene.objects) key.integer(object.material);
+    for (std::size_t o = 0; o < scene.objects.size(); ++o)
+        if (!scene.objects[o].receives) key.text("receives no light").integer(static_cast<std::int64_t>(o));
     if (!scene.colors.empty()) {
         key.text("vertex colours").bytes(bytes_of(scene.colors));
         for (const Object& object : scene.objects) key.integer(object.first_color);

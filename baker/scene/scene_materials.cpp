@@ -162,7 +162,6 @@ Material convert_material(const MaterialRecord& record, const ValueCheck& check)
     material.transmission_uv_set = record.transmission_texture.uv_set;
     material.transmission_transform =
         finite_transform(record.transmission_texture.transform, "transmissionTexture", check);
-    material.double_sided = record.double_sided;
     material.alpha_mode = record.alpha_mode;
     material.alpha_cutoff = std::isfinite(record.alpha_cutoff) ? static_cast<float>(record.alpha_cutoff) : 0.5f;
     return material;

@@ -18,6 +18,7 @@ Cover cover_at(const Scene& scene, const Material& material, std::uint32_t trian
     if (material.alpha_mode != AlphaMode::opaque) coverage = material.alpha * base[3];
     if (material.alpha_mode == AlphaMode::mask) coverage = coverage >= material.alpha_cutoff ? 1.0f : 0.0f;
     float clear = 0;
+    if (!scene.object_of(triangle).casts) return {coverage, 0, Rgb(1, 1, 1)};
     if (material.transmission > 0)
         clear = material.transmission * surface_texture(scene, material.transmission_texture, material.transmission_uv_set,
                                                         material.transmission_transform, triangle, b1, b2)[0];
@@ -27,6 +28,7 @@ Cover cover_at(const Scene& scene, const Material& material, std::uint32_t trian
 }  // namespace
 
 Passage surface_passage(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
+    if (!scene.object_of(triangle).casts) return {0, Rgb(1, 1, 1)};
     const Material& material = scene.material_of(triangle);
     const Cover at = cover_at(scene, material, triangle, b1, b2);
     if (at.opacity >= 1) return {};

@@ -173,6 +173,7 @@ bool has_varied_base(const Scene& scene, std::uint32_t triangle) {
 
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2) {
     const Material& material = scene.material_of(triangle);
+    if (!scene.object_of(triangle).receives) return Rgb(0, 0, 0);
     if (!has_varied_base(scene, triangle)) return material.reflectance;
     return times(material.reflectance, surface_base(scene, triangle, b1, b2));
 }
@@ -194,6 +195,7 @@ float surface_alpha(const Scene& scene, std::uint32_t triangle, float b1, float 
 
 Rgb mean_reflectance(const Scene& scene, std::uint32_t triangle, const SurfaceFootprint& footprint) {
     const Material& material = scene.material_of(triangle);
+    if (!scene.object_of(triangle).receives) return Rgb(0, 0, 0);
     if (!has_varied_base(scene, triangle)) return material.reflectance;
     return times(material.reflectance, mean_base(scene, material, triangle, footprint));
 }

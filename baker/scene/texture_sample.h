@@ -32,6 +32,7 @@ Rgba surface_base(const Scene& scene, std::uint32_t triangle, float b1, float b2
 /// Is there either of them on a triangle's object?
 bool has_varied_base(const Scene& scene, std::uint32_t triangle);
 
+/// 0 on an object that receives no light, here and below.
 Rgb surface_reflectance(const Scene& scene, std::uint32_t triangle, float b1, float b2);
 Rgb surface_emission(const Scene& scene, std::uint32_t triangle, float b1, float b2);
 float surface_alpha(const Scene& scene, std::uint32_t triangle, float b1, float b2);

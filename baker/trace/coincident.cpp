@@ -27,10 +27,12 @@ CoincidentTriangles::CoincidentTriangles(const Scene& scene) {
         std::uint32_t triangle;
         bool operator<(const Entry& o) const { return hash != o.hash ? hash < o.hash : triangle < o.triangle; }
     };
-    std::vector<Entry> entries(scene.triangle_count());
-    for (std::uint32_t t = 0; t < entries.size(); ++t) {
+    std::vector<Entry> entries;
+    entries.reserve(scene.triangle_count());
+    for (std::uint32_t t = 0; t < scene.triangle_count(); ++t) {
+        if (!scene.object_of(t).casts) continue;
         const Corners corners = sorted_corners(scene, t);
-        entries[t] = {hash64({reinterpret_cast<const std::uint8_t*>(corners.data()), sizeof corners}), t};
+        entries.push_back({hash64({reinterpret_cast<const std::uint8_t*>(corners.data()), sizeof corners}), t});
     }
     std::sort(entries.begin(), entries.end());
     group_begin_.push_back(0);
@@ -38,7 +40,7 @@ CoincidentTriangles::CoincidentTriangles(const Scene& scene) {
         std::size_t end = begin + 1;
         while (end < entries.size() && entries[end].hash == entries[begin].hash) ++end;
         if (end - begin > 1) {
-            if (group_of_.empty()) group_of_.assign(entries.size(), none);
+            if (group_of_.empty()) group_of_.assign(scene.triangle_count(), none);
             const auto group = static_cast<std::uint32_t>(group_begin_.size() - 1);
             const Corners corners = sorted_corners(scene, entries[begin].triangle);
             for (std::size_t i = begin; i < end; ++i)

@@ -30,13 +30,12 @@ HiddenPoints::HiddenPoints(const Scene& scene, const Tracer& tracer, float near_
 
 bool HiddenPoints::is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {
     return side_is_hidden(at, triangle, normal) &&
-           (!scene_.material_of(triangle).double_sided || side_is_hidden(at, triangle, -normal));
+           (!scene_.object_of(triangle).double_sided || side_is_hidden(at, triangle, -normal));
 }
 
 /// What can be seen through is no solid's inside, whichever side it shows.
 bool HiddenPoints::is_front(const TraceHit& hit) const {
-    const Material& met = scene_.material_of(hit.triangle);
-    return hit.front || met.double_sided || met.is_see_through();
+    return hit.front || scene_.object_of(hit.triangle).double_sided || scene_.is_see_through(hit.triangle);
 }
 
 bool HiddenPoints::side_is_hidden(const Vec2f& at, std::uint32_t triangle, const Vec3f& normal) const {

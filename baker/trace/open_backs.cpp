@@ -41,8 +41,8 @@ std::vector<bool> find_open_backs(const Scene& scene, const Atlas& atlas, const 
     std::vector<std::uint8_t> open(patches.count());  // bytes: threads write neighbours
     parallel_for(patches.count(), 64, [&](std::size_t p) {
         const auto patch = static_cast<PatchNumber>(p);
-        const Material& material = scene.material_of(patches.fragments_of(patch).front().triangle);
-        open[p] = material.double_sided && back_is_open(scene, atlas, patches, patch, tracer);
+        const Object& object = scene.object_of(patches.fragments_of(patch).front().triangle);
+        open[p] = object.double_sided && back_is_open(scene, atlas, patches, patch, tracer);
     });
     return {open.begin(), open.end()};
 }

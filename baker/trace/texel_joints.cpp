@@ -49,7 +49,7 @@ std::optional<JointProbe::Post> JointProbe::post(const PageTexels& page, const T
 
 JointProbe::Post JointProbe::post_at(std::uint32_t triangle, const Vec2f& barycentric) const {
     const Vec3f normal = scene_.geometric_normal(triangle);
-    return {surface_start(scene_, triangle, barycentric, normal) + normal * (lift / atlas_.texels_per_metre), normal, triangle};
+    return {surface_start(scene_, triangle, barycentric, normal) + normal * (lift / scene_.object_of(triangle).density(atlas_.texels_per_metre)), normal, triangle};
 }
 
 bool JointProbe::joined(const std::optional<Post>& a, const std::optional<Post>& b) const {

@@ -95,25 +95,31 @@ struct Tracer::State {
         if (tree) rtcReleaseScene(tree);
         if (device) rtcReleaseDevice(device);
     }
-    /// Only surfaces that can be seen through pay for the filter: they are a geometry of their own.
+    /// Only surfaces that can be seen through pay for the filter: they are a geometry of their own. What casts no shadow is in none.
     void part_by_passage() {
-        const auto can = [&](std::uint32_t t) { return scene.material_of(t).is_see_through(); };
-        std::uint32_t t = 0;
-        while (t < scene.triangle_count() && !can(t)) ++t;
-        is_see_through = t < scene.triangle_count();
-        if (!is_see_through) return;
-        for (t = 0; t < scene.triangle_count(); ++t) triangles[can(t)].push_back(t);
+        const auto casts = [&](std::uint32_t t) { return scene.object_of(t).casts; };
+        const auto can = [&](std::uint32_t t) { return casts(t) && scene.material_of(t).is_see_through(); };
+        const auto any = [&](const auto& is) {
+            std::uint32_t t = 0;
+            while (t < scene.triangle_count() && !is(t)) ++t;
+            return t < scene.triangle_count();
+        };
+        is_see_through = any(can);
+        is_parted = is_see_through || any([&](std::uint32_t t) { return !casts(t); });
+        if (!is_parted) return;
+        for (std::uint32_t t = 0; t < scene.triangle_count(); ++t)
+            if (casts(t)) triangles[can(t)].push_back(t);
         filtered.triangle_of = triangles[1].data();
     }
     [[nodiscard]] std::uint32_t triangle(unsigned geometry, unsigned primitive) const {
-        return is_see_through ? triangles[geometry][primitive] : primitive;
+        return is_parted ? triangles[geometry][primitive] : primitive;
     }
     void attach(unsigned number);
 
     const Scene& scene;
     CoincidentTriangles coincident;
-    bool is_see_through = false;
-    /// Of geometry 0, which is opaque, and 1, which is not; empty when all are opaque: then primitives are triangles.
+    bool is_see_through = false, is_parted = false;
+    /// Of geometry 0, which is opaque, and 1, which is not; empty when all are opaque and cast: then primitives are triangles.
     std::array<std::vector<std::uint32_t>, 2> triangles;
     SeeThroughGeometry filtered;
     RTCDevice device = nullptr;
@@ -122,7 +128,7 @@ struct Tracer::State {
 };
 
 void Tracer::State::attach(unsigned number) {
-    if (is_see_through ? triangles[number].empty() : scene.triangles.empty() || number > 0) return;
+    if (is_parted ? triangles[number].empty() : scene.triangles.empty() || number > 0) return;
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     // Embree reads 16 bytes from the last vertex: a copy with one spare float keeps it inside an allocation.
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -130,7 +136,7 @@ void Tracer::State::attach(unsigned number) {
     if (!vertices) fail(device, "vertices");
     std::copy_n(reinterpret_cast<const float*>(scene.positions.data()), scene.positions.size() * 3, vertices);
     constexpr std::size_t stride = sizeof(scene.triangles[0]);
-    if (is_see_through) {
+    if (is_parted) {
         auto* corners = static_cast<std::array<std::uint32_t, 3>*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, stride, triangles[number].size()));
         if (!corners) fail(device, "triangles");
@@ -258,12 +264,15 @@ void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<Tra
             TraceHit& hit = hits[done + k];
             if (query.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
                 hit = {};
-            } else if (query.hit.primID[k] == rays.from_triangle[first + k]) {
+                continue;
+            }
+            const std::uint32_t triangle = state_->triangle(query.hit.geomID[k], query.hit.primID[k]);
+            if (triangle == rays.from_triangle[first + k]) {
                 hit = first_hit(rays.at(first + k));
             } else if (state_->coincident.empty()) {
-                hit = {query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k]};
+                hit = {triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k]};
             } else {
-                hit = finish(rays.at(first + k), query.hit.primID[k], query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k],
+                hit = finish(rays.at(first + k), triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k],
                              nullptr, k);
             }
         }

@@ -7,7 +7,7 @@
 /// Where surfaces let light through (scene/see_through.h), a first hit is one surface: each that the ray comes to it
 /// meets with the chance of that surface's opacity, by a hash of the ray's own bits, so the mean over rays is
 /// right and the same rays have the same hits. Shadow rays find the exact product instead. Scenes without such surfaces are traced as if
-/// there were none.
+/// there were none. What casts no shadow (Object::casts) is never met; rays may start there.
 #pragma once
 #include <array>
 #include <cstdint>

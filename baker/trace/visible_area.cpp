@@ -26,8 +26,8 @@ constexpr float line_place(std::uint32_t k) { return inside_border(static_cast<f
 
 class FragmentProbe {
   public:
-    FragmentProbe(const Scene& scene, const Tracer& tracer, float near_m, float texel_m)
-        : scene_(scene), tracer_(tracer), small_m2_(small_fragment * texel_m * texel_m), hidden_(scene, tracer, near_m) {}
+    FragmentProbe(const Scene& scene, const Tracer& tracer, float near_m, float texels_per_metre)
+        : scene_(scene), tracer_(tracer), texels_per_metre_(texels_per_metre), hidden_(scene, tracer, near_m) {}
 
     void probe(const FragmentPolygon& polygon, Fragment& fragment) const {
         const std::uint32_t triangle = fragment.triangle;
@@ -38,7 +38,8 @@ class FragmentProbe {
             fragment.visible_parts = hidden ? 0 : fragment_parts;
             return;
         }
-        if (fragment.area_m2 < small_m2_) probe_small(polygon, normal, fragment);
+        const float texel_m = 1 / scene_.object_of(triangle).density(texels_per_metre_);
+        if (fragment.area_m2 < small_fragment * texel_m * texel_m) probe_small(polygon, normal, fragment);
         else probe_cells(polygon, normal, fragment);
     }
 
@@ -142,7 +143,7 @@ class FragmentProbe {
 
     const Scene& scene_;
     const Tracer& tracer_;
-    float small_m2_;
+    float texels_per_metre_;  ///< of the scene
     HiddenPoints hidden_;
 };
 
@@ -150,7 +151,7 @@ class FragmentProbe {
 
 VisibleAreaTally find_visible_area(const Scene& scene, const Atlas& atlas, const Tracer& tracer, float near_m,
                                    TexelSet& texels) {
-    const FragmentProbe probe(scene, tracer, near_m, 1 / atlas.texels_per_metre);
+    const FragmentProbe probe(scene, tracer, near_m, atlas.texels_per_metre);
     VisibleAreaTally tally;
     for (PageTexels& page : texels.pages) {
         parallel_for(page.texels.size(), 256, [&](std::size_t t) {

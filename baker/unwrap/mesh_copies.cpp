@@ -34,18 +34,19 @@ bool is_stretch_allowed(const ShapeMetric& metric, const ShapeMetric& own) {
 
 struct Instance {
     ObjectRun objects;
-    double area_m2 = 0;
-    bool shares_node = false;
+    double texels = 0;
 };
 
-std::vector<Instance> instances_of(const Scene& scene) {
+std::vector<Instance> instances_of(const Scene& scene, double density) {
     std::vector<Instance> instances;
     for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
         const Object& object = scene.objects[o];
-        if (o == 0 || object.instance != scene.objects[o - 1].instance) instances.push_back({{o, 0}, 0, object.shares_node});
+        if (o == 0 || object.instance != scene.objects[o - 1].instance) instances.push_back({{o, 0}, 0});
         ++instances.back().objects.count;
-        for (std::uint32_t t = 0; t < object.triangle_count; ++t) instances.back().area_m2 += scene.area_m2(object.first_triangle + t);
+        const double own = object.texels_per_metre > 0 ? static_cast<double>(object.texels_per_metre) : density;
+        for (std::uint32_t t = 0; t < object.triangle_count; ++t) instances.back().texels += scene.area_m2(object.first_triangle + t) * own * own;
     }
+    std::erase_if(instances, [&](const Instance& instance) { return !scene.objects[instance.objects.first].has_lightmap; });
     return instances;
 }
 
@@ -61,10 +62,10 @@ bool same_mesh(const Scene& scene, const ObjectRun& a, const ObjectRun& b) {
     return true;
 }
 
-bool can_share(const Scene& scene, const Instance& own, const Instance& copy, double most_area_m2) {
+bool can_share(const Scene& scene, const Instance& own, const Instance& copy, double most_texels) {
     const ShapeMetric &metric = scene.objects[copy.objects.first].metric, &own_metric = scene.objects[own.objects.first].metric;
-    return same_mesh(scene, own.objects, copy.objects) &&
-           (own.area_m2 > most_area_m2 ? metric == own_metric : is_stretch_allowed(metric, own_metric));
+    return scene.objects[copy.objects.first].texels_per_metre == scene.objects[own.objects.first].texels_per_metre && same_mesh(scene, own.objects, copy.objects) &&
+           (own.texels > most_texels ? metric == own_metric : is_stretch_allowed(metric, own_metric));
 }
 
 /// What copies have in common for sure: contents and numbers of their primitives.
@@ -78,19 +79,19 @@ Contents contents_of(const Scene& scene, const ObjectRun& run) {
 }
 
 /// Each takes the first larger one that it can share with; `candidates` show the same contents, in the scene's order.
-void group(const Scene& scene, const std::vector<Instance>& instances, std::vector<std::uint32_t> candidates, double most_area_m2,
+void group(const Scene& scene, const std::vector<Instance>& instances, std::vector<std::uint32_t> candidates, double most_texels,
            std::vector<CopyGroup>& out) {
-    std::stable_sort(candidates.begin(), candidates.end(), [&](std::uint32_t a, std::uint32_t b) { return instances[a].area_m2 > instances[b].area_m2; });
+    std::stable_sort(candidates.begin(), candidates.end(), [&](std::uint32_t a, std::uint32_t b) { return instances[a].texels > instances[b].texels; });
     std::vector<std::vector<std::uint32_t>> groups;
     for (const std::uint32_t i : candidates) {
         const auto found = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::uint32_t>& g) {
-            return can_share(scene, instances[g[0]], instances[i], most_area_m2);
+            return can_share(scene, instances[g[0]], instances[i], most_texels);
         });
         if (found != groups.end()) found->push_back(i);
         else groups.push_back({i});
     }
     for (std::vector<std::uint32_t>& g : groups) {
-        if (g.size() == 1 && !instances[g[0]].shares_node) continue;
+        if (g.size() == 1 && !scene.objects[instances[g[0]].objects.first].shares_node) continue;
         std::sort(g.begin() + 1, g.end());
         CopyGroup& made = out.emplace_back();
         for (const std::uint32_t i : g) made.instances.push_back(instances[i].objects);
@@ -99,12 +100,12 @@ void group(const Scene& scene, const std::vector<Instance>& instances, std::vect
 
 }  // namespace
 
-std::vector<CopyGroup> find_copies(const Scene& scene, double most_area_m2) {
-    const std::vector<Instance> instances = instances_of(scene);
+std::vector<CopyGroup> find_copies(const Scene& scene, double density, double most_texels) {
+    const std::vector<Instance> instances = instances_of(scene, density);
     std::map<Contents, std::vector<std::uint32_t>> by_contents;
     for (std::uint32_t i = 0; i < instances.size(); ++i) by_contents[contents_of(scene, instances[i].objects)].push_back(i);
     std::vector<CopyGroup> groups;
-    for (auto& [contents, candidates] : by_contents) group(scene, instances, std::move(candidates), most_area_m2, groups);
+    for (auto& [contents, candidates] : by_contents) group(scene, instances, std::move(candidates), most_texels, groups);
     return groups;
 }
 

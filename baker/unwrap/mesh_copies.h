@@ -23,7 +23,8 @@ struct CopyGroup {
 };
 
 /// Groups of two and more, and groups of one where the instance shares its node (Object::shares_node): its place must be an attribute.
-/// Instances of more than `most_area_m2`, whose layout cannot be one block of a page, share with their like only.
-std::vector<CopyGroup> find_copies(const Scene& scene, double most_area_m2);
+/// Instances without a lightmap are left out, and those with different densities of their own do not share; `density` is that of all
+/// others, texels per metre. Instances of more than `most_texels`, whose layout cannot be one block of a page, share with their like only.
+std::vector<CopyGroup> find_copies(const Scene& scene, double density, double most_texels);
 
 }  // namespace luxel

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "baker/unwrap/pack.h"
 
@@ -63,6 +64,28 @@ void warn_of_size(const Scene& scene, const CopyGroup& group, const Atlas& atlas
                                     group.instances.size())});
 }
 
+/// On pages behind those that there are.
+void place_items(const std::vector<Item>& items, Atlas& atlas) {
+    std::vector<PackedRectangle> rectangles;
+    for (const Item& item : items)
+        rectangles.push_back(item.arrangement ? PackedRectangle{item.arrangement->whole.width, item.arrangement->whole.height}
+                                              : PackedRectangle{atlas.charts[item.first_chart].width, atlas.charts[item.first_chart].height});
+    const std::uint32_t first_page = atlas.page_count;
+    atlas.page_count += pack_pages(rectangles, atlas.page_size, atlas.padding);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const Item& item = items[i];
+        const PackedRectangle& place = rectangles[i];
+        for (std::size_t c = 0; c < item.count; ++c) {
+            Chart& chart = atlas.charts[item.first_chart + c];
+            chart.page = first_page + place.page;
+            chart.x = place.x + (item.arrangement ? item.arrangement->charts[c].x : 0);
+            chart.y = place.y + (item.arrangement ? item.arrangement->charts[c].y : 0);
+        }
+        if (item.arrangement)
+            atlas.copy_blocks.push_back({item.objects.first, item.objects.count, item.layout, first_page + place.page, place.x, place.y, place.width, place.height});
+    }
+}
+
 }  // namespace
 
 void place_charts(const Scene& scene, const std::vector<CopyGroup>& groups, Atlas& atlas, std::vector<Warning>& warnings) {
@@ -84,21 +107,11 @@ void place_charts(const Scene& scene, const std::vector<CopyGroup>& groups, Atla
         }
     }
     const std::vector<Item> items = list_items(atlas, std::move(blocks));
-    std::vector<PackedRectangle> rectangles;
-    for (const Item& item : items)
-        rectangles.push_back(item.arrangement ? PackedRectangle{item.arrangement->whole.width, item.arrangement->whole.height}
-                                              : PackedRectangle{atlas.charts[item.first_chart].width, atlas.charts[item.first_chart].height});
-    atlas.page_count = pack_pages(rectangles, atlas.page_size, atlas.padding);
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        const PackedRectangle& place = rectangles[i];
-        for (std::size_t c = 0; c < items[i].count; ++c) {
-            Chart& chart = atlas.charts[items[i].first_chart + c];
-            chart.page = place.page;
-            chart.x = place.x + (items[i].arrangement ? items[i].arrangement->charts[c].x : 0);
-            chart.y = place.y + (items[i].arrangement ? items[i].arrangement->charts[c].y : 0);
-        }
-        if (items[i].arrangement)
-            atlas.copy_blocks.push_back({items[i].objects.first, items[i].objects.count, items[i].layout, place.page, place.x, place.y, place.width, place.height});
+    const auto has_lightmap = [&](const Item& item) { return scene.objects[atlas.charts[item.first_chart].object].has_lightmap; };
+    for (const bool shown : {true, false}) {
+        std::vector<Item> part;
+        std::ranges::copy_if(items, std::back_inserter(part), [&](const Item& item) { return has_lightmap(item) == shown; });
+        place_items(part, atlas);
     }
 }
 

@@ -30,6 +30,7 @@ struct UnwrappedPiece {
 struct Shape {
     std::uint32_t object = 0;  ///< the first that shows it
     std::size_t object_count = 0;
+    double density = 0;                   ///< texels per metre
     ObjectMesh mesh;
     std::vector<std::vector<std::uint32_t>> pieces;
     std::vector<UnwrappedPiece> results;  ///< per piece; one for a kept layout
@@ -63,8 +64,8 @@ std::vector<std::uint32_t> layout_owners(const Scene& scene, const std::vector<C
     return owner;
 }
 
-/// Groups objects that take the same layout; `shape_of` gets the group of each object.
-std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>& groups, std::vector<std::uint32_t>& shape_of) {
+/// Groups objects that take the same layout at the same density; `shape_of` gets the group of each object.
+std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>& groups, float density, std::vector<std::uint32_t>& shape_of) {
     std::vector<Shape> shapes;
     std::map<std::uint64_t, std::vector<std::uint32_t>> by_content;
     shape_of.assign(scene.objects.size(), none);
@@ -73,7 +74,8 @@ std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>&
         if (owner[o] != o || scene.objects[o].triangle_count == 0) continue;
         auto& candidates = by_content[scene.objects[o].content_hash];
         for (const std::uint32_t s : candidates)
-            if (same_shape(scene, scene.objects[shapes[s].object], scene.objects[o])) {
+            if (scene.objects[shapes[s].object].texels_per_metre == scene.objects[o].texels_per_metre &&
+                same_shape(scene, scene.objects[shapes[s].object], scene.objects[o])) {
                 shape_of[o] = s;
                 break;
             }
@@ -81,6 +83,7 @@ std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>&
             shape_of[o] = static_cast<std::uint32_t>(shapes.size());
             candidates.push_back(shape_of[o]);
             shapes.emplace_back().object = o;
+            shapes.back().density = static_cast<double>(scene.objects[o].density(density));
         }
     }
     for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
@@ -90,14 +93,13 @@ std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>&
     return shapes;
 }
 
-void prepare_shape(const Scene& scene, const UnwrapOptions& options, double density, std::uint32_t limit,
-                   Shape& shape) {
+void prepare_shape(const Scene& scene, const UnwrapOptions& options, std::uint32_t limit, Shape& shape) {
     const Object& object = scene.objects[shape.object];
     shape.mesh = object_mesh(scene, object);
     if (options.uv_mode == UvMode::keep && scene.object_has_uv1[shape.object]) {
-        if (auto kept = kept_chart(scene, object, shape.mesh, density, shape.not_kept)) {
+        if (auto kept = kept_chart(scene, object, shape.mesh, shape.density, shape.not_kept)) {
             UnwrappedPiece& result = shape.results.emplace_back();
-            result.scaled_charts = fit_chart_whole(std::move(*kept), density, limit, result.charts) ? 1 : 0;
+            result.scaled_charts = fit_chart_whole(std::move(*kept), shape.density, limit, result.charts) ? 1 : 0;
             return;
         }
     }
@@ -126,10 +128,9 @@ UnwrappedPiece unwrap_piece(const ObjectMesh& mesh, const std::vector<std::uint3
     return result;
 }
 
-void unwrap_shapes(const Scene& scene, const UnwrapOptions& options, double density, std::vector<Shape>& shapes,
-                   const ProgressFunction& progress) {
+void unwrap_shapes(const Scene& scene, const UnwrapOptions& options, std::vector<Shape>& shapes, const ProgressFunction& progress) {
     const std::uint32_t limit = options.page_size - 2 * options.padding;
-    parallel_for(shapes.size(), 1, [&](std::size_t s) { prepare_shape(scene, options, density, limit, shapes[s]); });
+    parallel_for(shapes.size(), 1, [&](std::size_t s) { prepare_shape(scene, options, limit, shapes[s]); });
     std::vector<std::pair<std::uint32_t, std::uint32_t>> work;
     std::uint64_t total = 0;
     for (std::uint32_t s = 0; s < shapes.size(); ++s)
@@ -141,7 +142,7 @@ void unwrap_shapes(const Scene& scene, const UnwrapOptions& options, double dens
     parallel_for(work.size(), 1, [&](std::size_t w) {
         Shape& shape = shapes[work[w].first];
         const auto& piece = shape.pieces[work[w].second];
-        shape.results[work[w].second] = unwrap_piece(shape.mesh, piece, density, limit, options.piece_time_limit_s);
+        shape.results[work[w].second] = unwrap_piece(shape.mesh, piece, shape.density, limit, options.piece_time_limit_s);
         counter.add(piece.size());
     });
     parallel_for(shapes.size(), 1, [&](std::size_t s) {
@@ -201,6 +202,18 @@ void append_object(const Scene& scene, std::uint32_t o, const Shape& shape, Atla
     }
 }
 
+/// Of what has a lightmap and no density of its own; if nothing has, of all.
+double area_to_fill(const Scene& scene) {
+    double all = 0, own = 0;
+    for (std::uint32_t t = 0; t < scene.triangle_count(); ++t) {
+        const Object& object = scene.object_of(t);
+        const double area = scene.area_m2(t);
+        all += area;
+        if (object.has_lightmap && object.texels_per_metre <= 0) own += area;
+    }
+    return own > 0 ? own : all;
+}
+
 }  // namespace
 
 double automatic_density(double area_m2, std::uint32_t page_size) {
@@ -219,20 +232,19 @@ double automatic_density(double area_m2, std::uint32_t page_size) {
 Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warning>& warnings,
              const ProgressFunction& progress) {
     check_options(options);
-    double area = 0;
-    for (std::uint32_t t = 0; t < scene.triangle_count(); ++t) area += scene.area_m2(t);
     Atlas atlas;
     // Rounded to float before use: charts are made with the very number that is stored and that enters patch ids.
     atlas.texels_per_metre = static_cast<float>(
-        options.texels_per_metre > 0 ? options.texels_per_metre : automatic_density(area, options.page_size));
+        options.texels_per_metre > 0 ? options.texels_per_metre : automatic_density(area_to_fill(scene), options.page_size));
     atlas.page_size = options.page_size;
     atlas.padding = options.padding;
-    const double page_side_m = (options.page_size - 2.0 * options.padding) / static_cast<double>(atlas.texels_per_metre);
-    const std::vector<CopyGroup> groups =
-        options.instances == InstanceMode::share ? find_copies(scene, page_side_m * page_side_m) : std::vector<CopyGroup>();
+    const double page_side = options.page_size - 2.0 * options.padding;
+    const std::vector<CopyGroup> groups = options.instances == InstanceMode::share
+                                              ? find_copies(scene, static_cast<double>(atlas.texels_per_metre), page_side * page_side)
+                                              : std::vector<CopyGroup>();
     std::vector<std::uint32_t> shape_of;
-    std::vector<Shape> shapes = find_shapes(scene, groups, shape_of);
-    unwrap_shapes(scene, options, atlas.texels_per_metre, shapes, progress);
+    std::vector<Shape> shapes = find_shapes(scene, groups, atlas.texels_per_metre, shape_of);
+    unwrap_shapes(scene, options, shapes, progress);
     report(scene, shapes, options.piece_time_limit_s, warnings);
     atlas.chart_triangles.reserve(scene.triangle_count());
     atlas.triangle_chart.assign(scene.triangle_count(), none);
@@ -244,6 +256,13 @@ Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warni
         throw Error(ErrorCode::internal, "unwrap", fmt::format("{} triangles have no chart", lost));
     place_charts(scene, groups, atlas, warnings);
     return atlas;
+}
+
+std::uint32_t shown_page_count(const Scene& scene, const Atlas& atlas) {
+    std::uint32_t count = 0;
+    for (const Chart& chart : atlas.charts)
+        if (scene.objects[chart.object].has_lightmap) count = std::max(count, chart.page + 1);
+    return count;
 }
 
 }  // namespace luxel

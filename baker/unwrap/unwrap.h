@@ -1,4 +1,5 @@
-/// Scene -> Atlas: every triangle gets a place on a lightmap page, at one density for the whole scene.
+/// Scene -> Atlas: every triangle gets a place on a lightmap page, at one density for the whole scene but for objects that have one of
+/// their own. Objects without a lightmap get theirs on pages of their own, behind the others: they are for the computation only.
 ///
 /// Time grows linearly with triangles: objects are cut into pieces of bounded size, identical meshes are unwrapped once.
 /// A chart depends on its own object's mesh and size (where copies of several sizes share a layout: on the largest of them), the
@@ -27,7 +28,7 @@ enum class InstanceMode {
 };
 
 struct UnwrapOptions {
-    double texels_per_metre = 0;  ///< > 0; 0: chosen so that all surface fills about half a page, in steps of 2^(1/4)
+    double texels_per_metre = 0;  ///< > 0; 0: chosen so that what has a lightmap fills about half a page, in steps of 2^(1/4)
     std::uint32_t page_size = 1024;  ///< texels, 16 .. 16384
     std::uint32_t padding = 2;       ///< free texels between charts, 0 .. page_size / 8
     UvMode uv_mode = UvMode::unwrap;
@@ -44,5 +45,8 @@ double automatic_density(double area_m2, std::uint32_t page_size);
 /// Progress in triangles. Errors: Error{usage} for options out of range. An empty scene gives an empty atlas.
 Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warning>& warnings,
              const ProgressFunction& progress);
+
+/// Pages that hold lightmaps: the first ones.
+std::uint32_t shown_page_count(const Scene& scene, const Atlas& atlas);
 
 }  // namespace luxel

@@ -18,10 +18,6 @@ namespace {
 constexpr std::uint32_t glb_magic = 0x46546c67;   // "glTF"
 constexpr std::uint32_t chunk_json = 0x4e4f534a;  // "JSON"
 constexpr std::uint32_t chunk_bin = 0x004e4942;   // "BIN\0"
-/// Deeper nesting than any real file has; the JSON library writes recursively, so depth costs stack.
-constexpr int deepest_json = 128;
-/// A JSON value takes about 16 bytes of memory for each byte of text: more than this is a mistake or an attack.
-constexpr std::size_t longest_json_bytes = std::size_t{1} << 28;
 
 const std::string damaged_hint = "the file is damaged or was cut off; export or copy it again";
 
@@ -70,42 +66,6 @@ Container open_glb(ByteView bytes, const std::string& name) {
         at = std::min(length, (at + size + 3) / 4 * 4);
     }
     return found;
-}
-
-/// Refuses nesting that recursion elsewhere could not bear, before anything recursive sees it.
-void check_nesting(ByteView text, const std::string& name) {
-    int depth = 0;
-    bool in_text = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const std::uint8_t c = text[i];
-        if (in_text) {
-            if (c == '\\') ++i;
-            else if (c == '"') in_text = false;
-        } else if (c == '"') {
-            in_text = true;
-        } else if (c == '{' || c == '[') {
-            if (++depth > deepest_json)
-                bad_gltf(name, "JSON is nested deeper than " + std::to_string(deepest_json) + " levels at byte " +
-                                   std::to_string(i));
-        } else if (c == '}' || c == ']') {
-            --depth;
-        }
-    }
-}
-
-json parse_json(ByteView text, const std::string& name) {
-    if (text.size() > longest_json_bytes)
-        bad_gltf(name, "JSON has " + std::to_string(text.size()) + " bytes, the limit is " +
-                           std::to_string(longest_json_bytes));
-    check_nesting(text, name);
-    try {
-        json root = json::parse(text.begin(), text.end());
-        if (!root.is_object()) bad_gltf(name, std::string("JSON: expected an object, found ") + root.type_name());
-        return root;
-    } catch (const json::exception& problem) {
-        bad_gltf(name, std::string("not valid JSON: ") + problem.what(),
-                 "luxel reads .gltf and .glb files; is this one of them?");
-    }
 }
 
 void check_version(const json& root, const std::string& name) {
@@ -259,7 +219,7 @@ GltfDocument parse_gltf(ByteView bytes, const std::string& name, const std::file
     document.binary = bytes.size() >= 4 && u32_at(bytes, 0) == glb_magic;
     if (bytes.empty()) bad_gltf(name, "the file is empty", damaged_hint);
     const Container container = document.binary ? open_glb(bytes, name) : Container{bytes, std::nullopt};
-    document.json = parse_json(container.text, name);
+    document.json = parse_json_object(container.text, name, "luxel reads .gltf and .glb files; is this one of them?");
     check_version(document.json, name);
     check_extensions(document);
     load_buffers(document, container.body);

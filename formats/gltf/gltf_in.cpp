@@ -8,6 +8,7 @@
 #include "formats/gltf/gltf_nodes.h"
 #include "formats/gltf/gltf_primitive.h"
 #include "formats/gltf/gltf_sky.h"
+#include "formats/gltf/node_settings.h"
 
 namespace luxel {
 
@@ -135,6 +136,7 @@ SceneRecord read_scene(const GltfDocument& document, const ReadOptions& options)
     if (gltf_count(document.json, "animations") > 0)
         record.warnings.push_back({"animation-rest-pose", document.name, "animations are ignored: the scene is baked at rest"});
     read_nodes(document, options.scene, options.skip_skinned, record);
+    settle_nodes(document, options.settings ? *options.settings : SettingsFile(), record);
     read_sky(document, options, record);
     read_materials(document, options.external_images, record);
 

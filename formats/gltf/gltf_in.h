@@ -13,11 +13,14 @@
 
 namespace luxel {
 
+struct SettingsFile;
+
 struct ReadOptions {
     int scene = -1;              ///< index of the scene; -1: the file's default, else its first
     bool external_images = true;  ///< read image files beside the document; false: only embedded ones
     bool skip_skinned = false;    ///< leave out nodes with a skin, which move; false: they stand in their rest pose
     bool vertex_colors = true;    ///< read COLOR_0; false: as if no mesh had it
+    const SettingsFile* settings = nullptr;  ///< of nodes, before what their extras say (node_settings.h)
 };
 
 /// The scene that a user means, by number or by name; a name that is a number is the number. Throws Error{bad_input} that lists what

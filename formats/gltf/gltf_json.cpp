@@ -12,6 +12,32 @@ void bad_gltf(const std::string& where, const std::string& what, const std::stri
 
 namespace {
 
+/// Deeper nesting than any real file has; the JSON library writes recursively, so depth costs stack.
+constexpr int deepest_json = 128;
+/// A JSON value takes about 16 bytes of memory for each byte of text: more than this is a mistake or an attack.
+constexpr std::size_t longest_json_bytes = std::size_t{1} << 28;
+
+/// Refuses nesting that recursion elsewhere could not bear, before anything recursive sees it.
+void check_nesting(ByteView text, const std::string& name) {
+    int depth = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::uint8_t c = text[i];
+        if (in_text) {
+            if (c == '\\') ++i;
+            else if (c == '"') in_text = false;
+        } else if (c == '"') {
+            in_text = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > deepest_json)
+                bad_gltf(name, "JSON is nested deeper than " + std::to_string(deepest_json) + " levels at byte " +
+                                   std::to_string(i));
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+}
+
 /// The member, or nullptr. A null counts as absent only where the parent is no object at all.
 const json* find(const json& parent, const char* key) {
     if (!parent.is_object()) return nullptr;
@@ -24,6 +50,19 @@ const json* find(const json& parent, const char* key) {
 }
 
 }  // namespace
+
+json parse_json_object(ByteView text, const std::string& name, const std::string& hint) {
+    if (text.size() > longest_json_bytes)
+        bad_gltf(name, "JSON has " + std::to_string(text.size()) + " bytes, the limit is " + std::to_string(longest_json_bytes));
+    check_nesting(text, name);
+    try {
+        json root = json::parse(text.begin(), text.end());
+        if (!root.is_object()) bad_gltf(name, std::string("JSON: expected an object, found ") + root.type_name(), hint);
+        return root;
+    } catch (const json::exception& problem) {
+        bad_gltf(name, std::string("not valid JSON: ") + problem.what(), hint);
+    }
+}
 
 const json& json_object(const json& parent, const char* key, const std::string& where) {
     static const json empty = json::object();

@@ -8,12 +8,16 @@
 #include <span>
 #include <string>
 
+#include "formats/base/bytes.h"
 #include "formats/base/error.h"
 
 namespace luxel {
 
 /// Error{bad_input} with the parts of a message.
 [[noreturn]] void bad_gltf(const std::string& where, const std::string& what, const std::string& hint = {});
+
+/// A whole text, which must be an object; its length and depth are bounded before it is parsed. `hint`: what to do if it is none.
+nlohmann::json parse_json_object(ByteView text, const std::string& name, const std::string& hint);
 
 /// Member or a shared empty object/array; throws when it has another type.
 const nlohmann::json& json_object(const nlohmann::json& parent, const char* key, const std::string& where);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,15 @@ struct MeshRecord {
     std::vector<PrimitiveRecord> primitives;
 };
 
+/// What is said about a node beside its glTF (node_settings.h); none: nothing is said.
+struct NodeSettings {
+    std::optional<bool> lightmap{};            ///< false: no lightmap is written for it
+    std::optional<bool> receive{};             ///< false: no light falls on it, and no lightmap either
+    std::optional<bool> cast_shadow{};         ///< false: rays pass as if it were not there
+    std::optional<bool> two_sided{};           ///< in place of MaterialRecord::double_sided
+    std::optional<double> texels_per_metre{};  ///< 1e-6 .. 1e9
+};
+
 /// A node of the scene that shows a mesh, in document order of a depth-first walk.
 struct InstanceRecord {
     int node = -1;
@@ -81,6 +91,7 @@ struct InstanceRecord {
     /// Number within EXT_mesh_gpu_instancing of the node (node_path ends in "@k"), -1 for an ordinary node. All copies
     /// share one node and its materials, so the writer cannot give them lightmaps of their own.
     int gpu_instance = -1;
+    NodeSettings settings{};
 };
 
 enum class LampKind { point, spot, directional };

@@ -120,6 +120,23 @@ class Input(Case):
         source = self.scene(lambda document: document["materials"][0]["pbrMetallicRoughness"].update(baseColorFactor=[1, 1, 1, 1]))
         self.assert_refused(self.bake(source=source), BAD_INPUT, "scene.gltf", 'material "glow"', "the light never ends")
 
+    def test_settings_of_nodes(self):
+        def settings(text):
+            with open(self.path("luxel.json"), "w", encoding="utf-8") as file:
+                file.write(text)
+            return self.path("luxel.json")
+
+        for text, words in (("{", "not valid JSON"), ('{"node": []}', "node: unknown"),
+                            ('{"nodes": [{"match": "wall*"}, {"match": "wall*", "lightmap": 0}]}', "nodes[1]: lightmap: expected true or false"),
+                            ('{"nodes": [{"match": "wall*", "texels": 8}]}', "texels: unknown"),
+                            ('{"nodes": [{"match": "chair"}]}', '"chair" matches no node'),
+                            ('{"nodes": [{"match": "*", "receive": false}]}', "no node has a lightmap")):
+            with self.subTest(text):
+                # The last is a fault of both files, and named by the scene.
+                self.assert_refused(self.bake("--settings", settings(text)), BAD_INPUT, words)
+        self.assert_refused(self.bake("--settings", self.path("gone.json")), BAD_INPUT, "gone.json")
+        self.assert_done(self.bake("--settings", settings('{"nodes": [{"match": "/wall_plus_y", "lightmap": false}, {"match": "chair", "optional": true}]}')))
+
     def test_nothing_to_bake(self):
         source = self.scene(lambda document: document["scenes"][0].update(nodes=[]))
         self.assert_refused(self.bake(source=source), BAD_INPUT, "no triangle")

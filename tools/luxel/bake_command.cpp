@@ -38,7 +38,7 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", vertex_colours = "on";
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", vertex_colours = "on", settings;
     std::string sky, sky_color;
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
@@ -125,6 +125,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.scene = a.scene;
     o.skip_skinned = a.skip_skinned;
     o.vertex_colors = a.vertex_colours == "on";
+    o.settings = a.settings;
     o.allow_outside = a.allow_outside;
     o.bad_values = a.bad_values == "refuse" ? BadValues::refuse : BadValues::clamp;
     o.lamp_radius = a.lamp_radius;
@@ -190,6 +191,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"allow-outside", a.allow_outside ? "on" : "off"},
             {"skip-skinned", a.skip_skinned ? "on" : "off"},
             {"vertex-colours", a.vertex_colours},
+            {"settings", a.settings.empty() ? "none" : a.settings},
             {"patch-texels", std::to_string(o.patch_texels)},
             {"chunks", a.chunks},
             {"chunk-patches", std::to_string(o.chunk_patches)},
@@ -286,6 +288,8 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_flag("--skip-skinned", a.skip_skinned, "leave out meshes with a skin, which move; otherwise they stand in their rest pose")->group("Input");
     command.add_option("--vertex-colours,--vertex-colors", a.vertex_colours, "COLOR_0 of meshes multiplies base colour and alpha, as glTF says; off: as if there were none")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Input");
+    command.add_option("--settings", a.settings, "what is said of single nodes by patterns of their names: lightmap, density, shadow, as JSON (docs/settings.md)")
+        ->type_name("FILE")->group("Input");
     command.add_flag("--allow-outside", a.allow_outside, "the scene may read files outside of its folder, by \"..\" or absolute paths")->group("Input");
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
         ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");

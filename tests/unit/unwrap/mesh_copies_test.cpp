@@ -11,7 +11,7 @@ namespace {
 
 using test::add_object;
 
-constexpr double large = 1e9;  // m2: nothing is too large for a page
+constexpr double large = 1e9;  // texels: nothing is too large for a page
 
 auto stretched(const Vec3f& by, const Vec3f& place) {
     return [=](const Vec3f& p) { return p * by + place; };
@@ -39,16 +39,25 @@ std::vector<std::uint32_t> objects_of(const CopyGroup& group) {
 }
 
 TEST(MeshCopies, ShareUpToFourTimesSmaller) {
-    const std::vector<CopyGroup> groups = find_copies(spheres(), large);
+    const std::vector<CopyGroup> groups = find_copies(spheres(), 1, large);
     ASSERT_EQ(groups.size(), 1u);
     EXPECT_EQ(objects_of(groups[0]), (std::vector<std::uint32_t>{0, 1, 3, 4, 5}));
     EXPECT_NE(groups[0].instances[0].first, 0u) << "the layout is that of a large one";
 }
 
 TEST(MeshCopies, OfMeshesLargerThanAPageShareWithTheirLikeOnly) {
-    const std::vector<CopyGroup> groups = find_copies(spheres(), 1.0);
+    const std::vector<CopyGroup> groups = find_copies(spheres(), 1, 1);
     ASSERT_EQ(groups.size(), 1u);
     EXPECT_EQ(objects_of(groups[0]), (std::vector<std::uint32_t>{1, 3, 4}));
+}
+
+TEST(MeshCopies, ShareAtOneDensityAndOnlyWithALightmap) {
+    Scene scene = spheres();
+    scene.objects[3].texels_per_metre = 2;
+    scene.objects[4].has_lightmap = false;
+    const std::vector<CopyGroup> groups = find_copies(scene, 1, large);
+    ASSERT_EQ(groups.size(), 1u);
+    EXPECT_EQ(objects_of(groups[0]), (std::vector<std::uint32_t>{0, 1, 5}));
 }
 
 TEST(MeshCopies, TakeAllPrimitivesOfTheirInstance) {
@@ -59,7 +68,7 @@ TEST(MeshCopies, TakeAllPrimitivesOfTheirInstance) {
             object.instance = instance;
             object.primitive = primitive;
         }
-    const std::vector<CopyGroup> groups = find_copies(scene, large);
+    const std::vector<CopyGroup> groups = find_copies(scene, 1, large);
     ASSERT_EQ(groups.size(), 1u) << "the third shows another mesh";
     EXPECT_EQ(objects_of(groups[0]), (std::vector<std::uint32_t>{0, 2}));
     EXPECT_EQ(groups[0].instances[0].count, 2u);
@@ -69,7 +78,7 @@ TEST(MeshCopies, OneOfASharedNodeHasAPlaceToo) {
     Scene scene;
     add_object(scene, "only", test::box(1, 1, 1), 1).shares_node = true;
     add_object(scene, "other", test::box(1, 1, 2), 2);
-    const std::vector<CopyGroup> groups = find_copies(scene, large);
+    const std::vector<CopyGroup> groups = find_copies(scene, 1, large);
     ASSERT_EQ(groups.size(), 1u);
     EXPECT_EQ(objects_of(groups[0]), std::vector<std::uint32_t>{0});
 }
