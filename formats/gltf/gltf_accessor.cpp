@@ -78,7 +78,7 @@ void copy_elements(ByteView from, std::uint64_t stride, const FileLayout& layout
 }
 
 /// Replaces single elements. Source: glTF 2.0, section 3.6.2.3.
-void apply_sparse(const GltfDocument& document, const json& sparse, AccessorBytes& accessor, const std::string& where) {
+void apply_sparse(const ArraySource& file, const json& sparse, AccessorBytes& accessor, const std::string& where) {
     const std::string here = where + ": sparse";
     const std::uint64_t count = json_size_required(sparse, "count", here);
     if (count > accessor.count)
@@ -87,7 +87,7 @@ void apply_sparse(const GltfDocument& document, const json& sparse, AccessorByte
     const json& what = json_object(sparse, "values", here);
     const auto part = [&](const json& source, std::uint64_t element_bytes) {
         const auto view = static_cast<std::int64_t>(json_size_required(source, "bufferView", here));
-        return checked_part(document.view(view, here), json_size(source, "byteOffset", 0, here), element_bytes,
+        return checked_part(file.view(view, here), json_size(source, "byteOffset", 0, here), element_bytes,
                             element_bytes, count, here);
     };
     AccessorBytes targets;
@@ -149,9 +149,9 @@ std::uint32_t component_bytes(ComponentType type) {
     return 4;
 }
 
-AccessorBytes describe_accessor(const GltfDocument& document, std::int64_t accessor, const std::string& where) {
+AccessorBytes describe_accessor(const json& root, std::int64_t accessor, const std::string& where) {
     const std::string here = accessor_name(accessor, where);
-    const json& item = gltf_item(document.json, "accessors", accessor, where);
+    const json& item = gltf_item(root, "accessors", accessor, where);
     AccessorBytes found;
     found.component = component_type(json_size_required(item, "componentType", here), here);
     found.type = json_text(item, "type", "", here);
@@ -162,15 +162,25 @@ AccessorBytes describe_accessor(const GltfDocument& document, std::int64_t acces
     return found;
 }
 
+AccessorBytes describe_accessor(const GltfDocument& document, std::int64_t accessor, const std::string& where) {
+    return describe_accessor(document.json, accessor, where);
+}
+
 AccessorBytes read_elements(const GltfDocument& document, std::int64_t accessor, const std::string& where) {
+    return read_elements({document.json, [&](std::int64_t view, const std::string& here) { return document.view(view, here); },
+                          [&](std::int64_t view) { return document.view_stride(view); }},
+                         accessor, where);
+}
+
+AccessorBytes read_elements(const ArraySource& source, std::int64_t accessor, const std::string& where) {
     const std::string here = accessor_name(accessor, where);
-    AccessorBytes found = describe_accessor(document, accessor, where);
-    const json& item = gltf_item(document.json, "accessors", accessor, where);
+    AccessorBytes found = describe_accessor(source.root, accessor, where);
+    const json& item = gltf_item(source.root, "accessors", accessor, where);
     if (item.contains("bufferView")) {
         const auto view = static_cast<std::int64_t>(json_size_required(item, "bufferView", here));
-        const ByteView bytes = document.view(view, here);
+        const ByteView bytes = source.view(view, here);
         const FileLayout layout = file_layout(found, here);
-        const std::uint64_t given = document.view_stride(view);
+        const std::uint64_t given = source.view_stride(view);
         const std::uint64_t stride = given ? given : layout.element_bytes();
         const ByteView part = checked_part(bytes, json_size(item, "byteOffset", 0, here), stride, layout.element_bytes(),
                                            found.count, here);
@@ -180,7 +190,7 @@ AccessorBytes read_elements(const GltfDocument& document, std::int64_t accessor,
             bad_gltf(here, std::to_string(found.count) + " elements without a buffer view: more than this program makes up");
         found.data.assign(found.count * found.element_bytes(), 0);
     }
-    if (item.contains("sparse")) apply_sparse(document, json_object(item, "sparse", here), found, here);
+    if (item.contains("sparse")) apply_sparse(source, json_object(item, "sparse", here), found, here);
     return found;
 }
 

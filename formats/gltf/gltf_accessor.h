@@ -9,6 +9,7 @@
 /// Source   glTF 2.0 specification, section 3.6.2.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,18 @@ struct AccessorBytes {
 
 /// What an accessor promises, without its data: `data` stays empty.
 AccessorBytes describe_accessor(const GltfDocument& document, std::int64_t accessor, const std::string& where);
+AccessorBytes describe_accessor(const nlohmann::json& root, std::int64_t accessor, const std::string& where);
 
 /// The elements of an accessor, in the file's own component type.
 AccessorBytes read_elements(const GltfDocument& document, std::int64_t accessor, const std::string& where);
+
+/// Accessors of something that is not a document as it was read: the JSON, and how to get at its views.
+struct ArraySource {
+    const nlohmann::json& root;
+    std::function<ByteView(std::int64_t view, const std::string& where)> view;
+    std::function<std::uint64_t(std::int64_t view)> view_stride;  ///< 0 if the view gives none
+};
+AccessorBytes read_elements(const ArraySource& source, std::int64_t accessor, const std::string& where);
 
 /// All numbers as floats, `components` per element. Normalized integers become -1..1 or 0..1.
 std::vector<float> to_floats(const AccessorBytes& elements);

@@ -4,8 +4,11 @@
 
 #include "formats/gltf/gltf_json.h"
 #include "formats/gltf/gltf_out_copies.h"
+#include "formats/gltf/gltf_out_draco.h"
 #include "formats/gltf/gltf_out_files.h"
 #include "formats/gltf/gltf_out_mesh.h"
+#include "formats/gltf/gltf_out_meshopt.h"
+#include "formats/gltf/gltf_out_parts.h"
 #include "formats/gltf/gltf_out_prune.h"
 #include "formats/gltf/gltf_out_unlit.h"
 
@@ -116,10 +119,25 @@ void add_note(json& root, const std::string& version) {
     if (extras.is_object()) extras["luxel"] = {{"version", version}};
 }
 
+/// All files or none: what has been written of the model goes if its parts cannot be.
+void add_parts(const std::filesystem::path& path, OutputModel& model, const ModelFiles& files, const GltfPacking& packing,
+               const std::vector<std::uint64_t>& page_images, GltfWritten& written) {
+    try {
+        written.parts = write_parts(path, model, files, packing, page_images);
+    } catch (...) {
+        std::error_code ignored;
+        for (const auto& file : written.files) std::filesystem::remove(file, ignored);
+        throw;
+    }
+    const std::vector<std::filesystem::path> more = written.parts.files();
+    written.files.insert(written.files.end(), more.begin(), more.end());
+    written.warnings.insert(written.warnings.end(), written.parts.warnings.begin(), written.parts.warnings.end());
+}
+
 }  // namespace
 
 GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& document, const SceneRecord& record,
-                       const GltfLightmaps& lightmaps) {
+                       const GltfLightmaps& lightmaps, const GltfPacking& packing) {
     check_layouts(record, lightmaps);
     OutputModel model(document);
     ModelFiles files(path, model);
@@ -133,12 +151,15 @@ GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& do
         drop_input_materials(model, replaced);
         files.take_pictures_along(record);
     }
+    if (packing.draco) compress_draco(model, *packing.draco, packing.page_size, replaced);
     prune_arrays(model, replaced);
     add_note(model.root, lightmaps.version);
+    if (packing.meshopt) pack_meshopt(model);
     GltfWritten written;
     for (const std::uint64_t image : images) written.page_files.push_back(files.file_of(image));
     written.files = files.write();
     written.warnings = std::move(model.warnings);
+    if (packing.split) add_parts(path, model, files, packing, images, written);
     return written;
 }
 

@@ -18,7 +18,8 @@
 ///          that several nodes show becomes one per node, since every node has materials of its own; equal arrays are
 ///          stored once. A TEXCOORD_1 of the input moves to the next free set (materials that use it follow), except where
 ///          only an earlier MOZ_lightmap used it; a missing TEXCOORD_0 is added, as sets must not have gaps. Meshopt
-///          and Draco data is written decoded; quantized attributes stay quantized. Pictures outside a GLB are
+///          data, and Draco data of what gets a lightmap, is written decoded, unless `packing` asks for it (gltf_out_draco.h,
+///          gltf_out_meshopt.h); quantized attributes stay quantized. Pictures outside a GLB are
 ///          embedded. Arrays that only replaced primitives used are removed, unless an extension that is unknown here
 ///          might refer to them by number.
 /// Errors   Error{cannot_write} (disk full, a folder as output, more than 4 GiB in a GLB): nothing partial is left.
@@ -28,10 +29,12 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/gltf/gltf_document.h"
+#include "formats/gltf/gltf_packing.h"
 #include "formats/gltf/scene_record.h"
 
 namespace luxel {
@@ -84,14 +87,28 @@ struct GltfLightmaps {
     std::string version;  ///< of luxel
 };
 
+struct GltfPart {
+    std::filesystem::path file;
+    std::vector<std::uint64_t> nodes;  ///< of the input, that belong to it, in the order of a depth-first walk
+    std::vector<std::uint32_t> pages;  ///< lightmap pages that it uses, ascending
+};
+struct GltfParts {
+    std::vector<GltfPart> parts;      ///< by number; no file: nothing belongs to it
+    std::optional<GltfPart> common{};
+    std::vector<std::filesystem::path> pictures;  ///< that several files use
+    std::vector<Warning> warnings;
+    [[nodiscard]] std::vector<std::filesystem::path> files() const;
+};
+
 struct GltfWritten {
     std::vector<std::filesystem::path> files;  ///< the model first
     std::vector<std::string> page_files;       ///< per page: its file beside the model; empty: inside
+    GltfParts parts;                           ///< with GltfPacking::split; their files are in `files` too
     std::vector<Warning> warnings;
 };
 
 /// `document` and `record` as read from the input (load_gltf, read_scene).
 GltfWritten write_gltf(const std::filesystem::path& path, const GltfDocument& document, const SceneRecord& record,
-                       const GltfLightmaps& lightmaps);
+                       const GltfLightmaps& lightmaps, const GltfPacking& packing = {});
 
 }  // namespace luxel

@@ -59,6 +59,10 @@ void add_bounds(const AccessorBytes& elements, json& accessor) {
     accessor["max"] = std::move(high);
 }
 
+std::pair<std::uint64_t, std::uint64_t> pair_of(const Key& key) { return {key.high, key.low}; }
+
+}  // namespace
+
 void set_bounds(const AccessorBytes& elements, json& accessor) {
     switch (elements.component) {
         case ComponentType::i8:
@@ -75,10 +79,6 @@ void set_bounds(const AccessorBytes& elements, json& accessor) {
             return add_bounds<float>(elements, accessor);
     }
 }
-
-std::pair<std::uint64_t, std::uint64_t> pair_of(const Key& key) { return {key.high, key.low}; }
-
-}  // namespace
 
 std::uint64_t ArrayStore::add(const AccessorBytes& elements, ArrayUse use, const json* like, bool bounds) {
     json accessor = like ? *like : json::object();

@@ -30,6 +30,9 @@ class ArrayStore {
     std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t> views_, accessors_;  ///< by Key
 };
 
+/// Sets min and max of an accessor; numbers that are not finite do not count.
+void set_bounds(const AccessorBytes& elements, nlohmann::json& accessor);
+
 /// Elements `chosen` of an array, in that order.
 AccessorBytes gather_elements(const AccessorBytes& elements, std::span<const std::uint32_t> chosen);
 

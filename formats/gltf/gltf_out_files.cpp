@@ -16,6 +16,7 @@ using nlohmann::json;
 
 namespace {
 
+constexpr const char* meshopt = "EXT_meshopt_compression";
 constexpr std::array<std::uint8_t, 4> zeros{};
 constexpr std::array<std::uint8_t, 4> spaces{' ', ' ', ' ', ' '};
 constexpr std::uint64_t glb_limit_bytes = 0xffffffffu;  ///< its lengths have 32 bits
@@ -74,6 +75,7 @@ Bytes glb_body_header(std::uint64_t body_bytes) {
 
 ModelFiles::ModelFiles(std::filesystem::path path, OutputModel& model)
     : path_(std::move(path)), model_(model), is_text_(path_.extension() == ".gltf") {
+    input_files_.insert(real_path(model_.document.folder / model_.document.name));
     for (const char* array : {"buffers", "images"})
         for (const json& item : json_array(model_.root, array, model_.document.name)) {
             const std::string uri = json_text(item, "uri", "", model_.document.name);
@@ -157,10 +159,8 @@ void ModelFiles::take_picture(json& image, std::size_t index, ByteView bytes, co
 }
 
 ByteView ModelFiles::view_bytes(std::size_t index, const std::string& where) {
-    const OutputView& view = model_.views[index];
-    if (view.source < 0) return view.owned.empty() ? view.borrowed : ByteView(view.owned);
     try {
-        return model_.document.view(view.source, where);
+        return model_.view_bytes(index, where);
     } catch (const Error& error) {
         // Nothing that was read uses it, else reading had failed: the model must not be lost for its sake.
         model_.warnings.push_back({"damaged-view", error.where, error.what_text + "; written as one zero byte"});
@@ -168,30 +168,54 @@ ByteView ModelFiles::view_bytes(std::size_t index, const std::string& where) {
     }
 }
 
-/// One buffer, views in order, each at a multiple of 4.
+/// One buffer, views in order, each at a multiple of 4. Packed views have their place in a second one without data,
+/// which stands for what a decoder makes of them.
 void ModelFiles::lay_out_views() {
+    std::uint64_t unpacked_bytes = 0;
+    const auto append = [&](ByteView bytes) {
+        body_.push_back(bytes);
+        body_.push_back(ByteView(zeros).first(padding_of(bytes.size())));
+        const std::uint64_t offset = body_bytes_;
+        body_bytes_ += bytes.size() + padding_of(bytes.size());
+        return offset;
+    };
     for (std::size_t index = 0; index < model_.views.size(); ++index) {
         json& item = model_.root["bufferViews"][index];
         const ByteView bytes = view_bytes(index, model_.document.name);
         if (bytes.data() == zeros.data()) item.erase("byteStride");
-        erase_extension(item, "EXT_meshopt_compression");  // written decoded
+        erase_extension(item, meshopt);  // of the input: written decoded
         erase_extension(item, "KHR_meshopt_compression");
-        item["buffer"] = 0;
-        item["byteOffset"] = body_bytes_;
         item["byteLength"] = bytes.size();
-        body_.push_back(bytes);
-        body_.push_back(ByteView(zeros).first(padding_of(bytes.size())));
-        body_bytes_ += bytes.size() + padding_of(bytes.size());
+        if (const auto& packed = model_.views[index].packed) {
+            item["extensions"][meshopt] = {{"buffer", 0},
+                                           {"byteOffset", append(packed->bytes)},
+                                           {"byteLength", packed->bytes.size()},
+                                           {"byteStride", packed->stride},
+                                           {"count", packed->count},
+                                           {"mode", packed->mode}};
+            item["buffer"] = 1;
+            item["byteOffset"] = unpacked_bytes;
+            unpacked_bytes += bytes.size() + padding_of(bytes.size());
+        } else {
+            item["buffer"] = 0;
+            item["byteOffset"] = append(bytes);
+        }
     }
+    add_buffers(unpacked_bytes);
+    for (const char* name : {meshopt, "KHR_meshopt_compression", "KHR_draco_mesh_compression"})
+        if (!has_extension(model_.root, name)) drop_extension(model_.root, name);
+}
+
+void ModelFiles::add_buffers(std::uint64_t unpacked_bytes) {
     json buffer = gltf_count(model_.root, "buffers") ? model_.root["buffers"][0] : json::object();
     buffer.erase("uri");
-    erase_extension(buffer, "EXT_meshopt_compression");
+    erase_extension(buffer, meshopt);
     erase_extension(buffer, "KHR_meshopt_compression");
     buffer["byteLength"] = body_bytes_;
     model_.root.erase("buffers");
     if (body_bytes_) model_.root["buffers"] = json::array({std::move(buffer)});
-    for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"})
-        if (!has_extension(model_.root, name)) drop_extension(model_.root, name);
+    if (unpacked_bytes)
+        model_.append("buffers", {{"byteLength", unpacked_bytes}, {"extensions", {{meshopt, {{"fallback", true}}}}}});
 }
 
 void ModelFiles::add_body(std::vector<File>& files) {

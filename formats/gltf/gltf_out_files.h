@@ -27,6 +27,8 @@ class ModelFiles {
     /// Takes pictures outside the file along: into a GLB, or beside a .gltf in another folder. Those which cannot be
     /// read keep their URI; a warning says so.
     void take_pictures_along(const SceneRecord& record);
+    /// "<stem><suffix>" of the output, or a longer one where that is a file of the input: it must survive.
+    [[nodiscard]] std::string free_name(const std::string& suffix) const;
     /// Sets offsets and buffers, and publishes; returns the files, the model first.
     std::vector<std::filesystem::path> write();
 
@@ -35,10 +37,9 @@ class ModelFiles {
         std::filesystem::path path;
         std::vector<ByteView> parts;
     };
-    /// "<stem><suffix>" of the output, or a longer one where that is a file of the input: it must survive.
-    [[nodiscard]] std::string free_name(const std::string& suffix) const;
     void take_picture(nlohmann::json& image, std::size_t index, ByteView bytes, const std::string& mime_type);
     void lay_out_views();
+    void add_buffers(std::uint64_t unpacked_bytes);
     ByteView view_bytes(std::size_t index, const std::string& where);
     void add_body(std::vector<File>& files);
     void publish(const std::vector<File>& files) const;

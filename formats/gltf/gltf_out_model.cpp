@@ -25,10 +25,44 @@ std::uint64_t OutputModel::append_view(OutputView view, json item) {
     return append("bufferViews", std::move(item));
 }
 
-void use_extension(json& root, const std::string& name) {
-    json& used = root["extensionsUsed"];
-    if (!used.is_array()) used = json::array();
-    if (std::find(used.begin(), used.end(), name) == used.end()) used.push_back(name);
+ByteView OutputModel::view_bytes(std::size_t view, const std::string& where) const {
+    const OutputView& bytes = views[view];
+    if (bytes.source >= 0) return document.view(bytes.source, where);
+    return bytes.owned.empty() ? bytes.borrowed : ByteView(bytes.owned);
+}
+
+std::uint64_t OutputModel::view_stride(std::size_t view, const std::string& where) const {
+    if (views[view].source >= 0) return document.view_stride(views[view].source);
+    return json_size(root["bufferViews"][view], "byteStride", 0, where);
+}
+
+AccessorBytes OutputModel::elements(std::int64_t accessor, const std::string& where) const {
+    const auto checked = [&](std::int64_t view, const std::string& here) {
+        if (view < 0 || static_cast<std::size_t>(view) >= views.size())
+            bad_gltf(here, "bufferView " + std::to_string(view) + " of " + std::to_string(views.size()));
+        return static_cast<std::size_t>(view);
+    };
+    return read_elements(
+        {root, [&](std::int64_t view, const std::string& here) { return view_bytes(checked(view, here), here); },
+         [&](std::int64_t view) { return view_stride(checked(view, where), where); }},
+        accessor, where);
+}
+
+namespace {
+
+void add_name(json& root, const char* list, const std::string& name) {
+    json& names = root[list];
+    if (!names.is_array()) names = json::array();
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+}  // namespace
+
+void use_extension(json& root, const std::string& name) { add_name(root, "extensionsUsed", name); }
+
+void require_extension(json& root, const std::string& name) {
+    use_extension(root, name);
+    add_name(root, "extensionsRequired", name);
 }
 
 void drop_extension(json& root, const std::string& name) {

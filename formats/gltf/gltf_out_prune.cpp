@@ -122,6 +122,14 @@ bool holds_whole_number(const json& value) {
     return false;
 }
 
+}  // namespace
+
+bool may_hold_references(std::string_view extension, const json& content) {
+    return !is_known(extension) && holds_whole_number(content);
+}
+
+namespace {
+
 bool may_hold_unknown_references(const json& tree) {
     if (!tree.is_structured()) return false;
     if (tree.is_object()) {
@@ -129,7 +137,7 @@ bool may_hold_unknown_references(const json& tree) {
             if (key == "extras") continue;
             if (key == "extensions" && value.is_object())
                 for (const auto& [name, content] : value.items())
-                    if (!is_known(name) && holds_whole_number(content)) return true;
+                    if (may_hold_references(name, content)) return true;
             if (may_hold_unknown_references(value)) return true;
         }
         return false;

@@ -8,6 +8,7 @@
 #pragma once
 #include <cstdint>
 #include <set>
+#include <string_view>
 
 #include "formats/gltf/gltf_out_arrays.h"
 #include "formats/gltf/gltf_out_model.h"
@@ -20,6 +21,9 @@ struct ArrayReferences {
 
 /// What the primitives of a mesh refer to; views only those of Draco.
 void collect_references(const nlohmann::json& mesh, ArrayReferences& found);
+
+/// Is this the content of an extension that is unknown here and may name objects by number?
+bool may_hold_references(std::string_view extension, const nlohmann::json& content);
 
 /// `replaced`: what meshes referred to that are no longer in the model as they were.
 void prune_arrays(OutputModel& model, const ArrayReferences& replaced);
