@@ -16,6 +16,7 @@
 #include "baker/scene/value_check.h"
 #include "baker/solver/solve.h"
 #include "baker/unwrap/unwrap.h"
+#include "formats/gltf/gltf_packing.h"
 
 namespace luxel {
 
@@ -88,6 +89,10 @@ struct BakeOptions {
     ViewerProfile profile = ViewerProfile::three;          ///< for whom the model's materials are made
     bool unlit = false;         ///< write a second model that any viewer shows (unlit_stage.h)
     double unlit_exposure = 0;  ///< its sample = nits * this; 0: found from the light
+    std::optional<DracoBits> draco{};  ///< compress the triangles of the model by Draco
+    bool meshopt = false;              ///< compress its arrays by meshopt, those that Draco does not take
+    bool split_chunks = false;         ///< write the scene in parts too, for engines that load it piece by piece (split_stage.h)
+    std::uint32_t split_triangles = 1000;  ///< fewest of a part
     std::vector<Layer> layers;  ///< to write beside the lightmap, in the order of all_layers
     std::uint64_t seed = 0;
 

@@ -4,6 +4,7 @@
 
 #include "baker/bake/instance_layouts.h"
 #include "baker/bake/seam_stage.h"
+#include "baker/bake/split_stage.h"
 #include "baker/bake/unlit_stage.h"
 #include "baker/output/page_layers.h"
 #include "baker/output/page_picture.h"
@@ -49,8 +50,13 @@ class Writer {
             if (progress) progress(page + 1, g_.shown_pages + 1);
         }
         lightmaps_.instances = instance_layouts(g_);
-        const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_);
+        GltfPacking packing{options_.draco, options_.meshopt, g_.atlas.page_size, {}};
+        std::optional<SplitPlan> plan;
+        if (options_.split_chunks && light_.state != "preview") plan = plan_split(options_, g_);
+        if (plan) packing.split = plan->split;
+        const GltfWritten written = write_gltf(options_.output, g_.document, g_.record, lightmaps_, packing);
         for (const auto& file : written.files) written_.add(file);
+        if (plan) write_chunk_index(*plan, written.parts);
         for (std::size_t page = 0; page < sidecar_.pages.size(); ++page) sidecar_.pages[page].picture.file = written.page_files[page];
         report_.warnings.insert(report_.warnings.end(), written.warnings.begin(), written.warnings.end());
         report_.outputs.push_back({options_.output.string(), "model", "", "", "", 1});
@@ -76,6 +82,15 @@ class Writer {
         if (format.texture_extension) meaning.texture_extension = format.texture_extension;
         meaning.is_embedded = !format.texture_extension || embeds_foreign_pictures(options_.profile);
         return meaning;
+    }
+
+    void write_chunk_index(const SplitPlan& plan, const GltfParts& parts) {
+        auto file = options_.output;
+        file.replace_extension("chunks.json");
+        publish_file(file, chunk_index_text(index_of_parts(options_, g_, plan, parts)));
+        written_.add(file);
+        report_.outputs.push_back({file.string(), "chunks", "", "", "", 1});
+        for (const auto& part : parts.files()) report_.outputs.push_back({part.string(), "chunk", "", "", "", 1});
     }
 
     /// Returns which texels have a value.

@@ -99,6 +99,7 @@ class Help(Case):
               "--share": "3", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--vertex-colours": "off", "--settings": None, "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
+              "--draco": "", "--draco-bits": "POSITION=12,LIGHTMAP=16", "--meshopt": "", "--split": "chunks", "--split-triangles": "10",
               "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
     def test_off(self):
