@@ -27,9 +27,17 @@ struct SourceArrays {
     std::vector<std::uint32_t> indices;
 };
 
-/// What replaces the arrays of a primitive.
+/// What replaces the arrays of a primitive, and its numbers once it is in the model.
 struct Compressed {
-    json attributes, indices, extension;
+    std::uint64_t plain_bytes = 0, packed_bytes = 0;
+    DracoStream stream;
+    std::vector<json> accessors;                  ///< per input
+    std::map<std::string, std::size_t> input_of;  ///< by semantic
+    json indices;                                 ///< their accessor
+
+    bool is_placed = false;
+    json attributes, extension;
+    std::uint64_t indices_number = 0;
 };
 
 /// Bounds of the finite values of an array, or of several.
@@ -97,20 +105,21 @@ class DracoPass {
     void run() {
         for (std::size_t mesh = 0; mesh < gltf_count(model_.root, "meshes"); ++mesh) {
             json& item = model_.root["meshes"][mesh];
+            if (!item.is_object()) continue;
             const std::string name = model_.document.name + ": " + gltf_name(item, "mesh", static_cast<std::int64_t>(mesh));
             const auto primitives = item.find("primitives");
             if (primitives == item.end() || !primitives->is_array()) continue;
-            const QuantisationGrid grid = grid_of_mesh(*primitives);
-            for (std::size_t p = 0; p < primitives->size(); ++p)
-                if (is_candidate((*primitives)[p])) compress((*primitives)[p], grid, name + " primitive " + std::to_string(p));
+            compress_mesh(*primitives, name);
         }
     }
 
   private:
+    /// Triangles whose parts have the types that they should have: nobody may have read this mesh.
     static bool is_candidate(const json& primitive) {
-        if (!primitive.is_object() || primitive.value("mode", mode_triangles) != mode_triangles) return false;
+        if (!primitive.is_object()) return false;
+        if (const auto mode = primitive.find("mode"); mode != primitive.end() && *mode != mode_triangles) return false;
         const auto extensions = primitive.find("extensions");
-        if (extensions != primitive.end() && extensions->contains(draco_extension)) return false;
+        if (extensions != primitive.end() && (!extensions->is_object() || extensions->contains(draco_extension))) return false;
         const auto attributes = primitive.find("attributes");
         return attributes != primitive.end() && attributes->is_object() && attributes->contains("POSITION");
     }
@@ -136,27 +145,59 @@ class DracoPass {
         return {box.low, extent > 0 && std::isfinite(extent) ? extent : 1.0f};
     }
 
-    void compress(json& primitive, const QuantisationGrid& grid, const std::string& where) {
+    /// All primitives of a mesh or none: on the common grid they meet each other, but not the plain ones.
+    void compress_mesh(json& primitives, const std::string& name) {
+        const QuantisationGrid grid = grid_of_mesh(primitives);
+        std::vector<std::optional<Compressed>*> found(primitives.size(), nullptr);
+        std::uint64_t plain_bytes = 0, packed_bytes = 0;
+        for (std::size_t p = 0; p < primitives.size(); ++p) {
+            if (!is_candidate(primitives[p])) continue;
+            found[p] = &compressed(primitives[p], grid, name + " primitive " + std::to_string(p));
+            if (!*found[p]) continue;
+            plain_bytes += (*found[p])->plain_bytes;
+            packed_bytes += (*found[p])->packed_bytes;
+        }
+        if (packed_bytes >= plain_bytes) return;
+        for (std::size_t p = 0; p < primitives.size(); ++p)
+            if (found[p] && *found[p]) replace(primitives[p], **found[p]);
+    }
+
+    std::optional<Compressed>& compressed(const json& primitive, const QuantisationGrid& grid, const std::string& where) {
         const bool has_targets = primitive.contains("targets") && !primitive["targets"].empty();
         const json key = {primitive["attributes"], primitive.value("indices", json()), has_targets, grid.origin, grid.range};
-        auto known = known_.find(key);
-        if (known == known_.end()) {
-            std::optional<Compressed> made;
-            try {
-                made = encode(primitive, grid, has_targets, where);
-            } catch (const Error& error) {
-                model_.warnings.push_back({"draco-left-out", where, error.what_text + "; its arrays are stored plain"});
-            }
-            known = known_.emplace(key, std::move(made)).first;
+        const auto known = known_.find(key);
+        if (known != known_.end()) return known->second;
+        std::optional<Compressed> made;
+        try {
+            made = encode(primitive, grid, has_targets, where);
+        } catch (const Error& error) {
+            model_.warnings.push_back({"draco-left-out", where, error.what_text + "; its arrays are stored plain"});
         }
-        if (!known->second) return;
+        return known_.emplace(key, std::move(made)).first->second;
+    }
+
+    void replace(json& primitive, Compressed& compressed) {
+        place(compressed);
         json released = {{"attributes", primitive["attributes"]}};
         if (primitive.contains("indices")) released["indices"] = primitive["indices"];
         collect_references({{"primitives", json::array({std::move(released)})}}, replaced_);
-        primitive["attributes"] = known->second->attributes;
-        primitive["indices"] = known->second->indices;
-        primitive["extensions"][draco_extension] = known->second->extension;
+        primitive["attributes"] = compressed.attributes;
+        primitive["indices"] = compressed.indices_number;
+        primitive["extensions"][draco_extension] = compressed.extension;
         require_extension(model_.root, draco_extension);
+    }
+
+    void place(Compressed& compressed) {
+        if (compressed.is_placed) return;
+        compressed.is_placed = true;
+        std::vector<std::uint64_t> numbers;
+        for (json& accessor : compressed.accessors) numbers.push_back(model_.append("accessors", std::move(accessor)));
+        for (const auto& [semantic, input] : compressed.input_of) {
+            compressed.attributes[semantic] = numbers[input];
+            compressed.extension["attributes"][semantic] = compressed.stream.unique_ids[input];
+        }
+        compressed.extension["bufferView"] = model_.append_view({-1, {}, std::move(compressed.stream.bytes)});
+        compressed.indices_number = model_.append("accessors", std::move(compressed.indices));
     }
 
     SourceArrays read(const json& primitive, const QuantisationGrid& grid, const std::string& where) const {
@@ -220,30 +261,29 @@ class DracoPass {
         return describe(primitive, source, decoded, std::move(stream));
     }
 
-    Compressed describe(const json& primitive, const SourceArrays& source, const DracoMesh& decoded, DracoStream stream) {
-        std::vector<std::uint64_t> accessors;
+    Compressed describe(const json& primitive, const SourceArrays& source, const DracoMesh& decoded, DracoStream stream) const {
+        Compressed out;
+        out.input_of = source.input_of;
         for (std::size_t k = 0; k < source.inputs.size(); ++k) {
             json accessor = promise(source.accessors[k], decoded.vertex_count);
             if (accessor.contains("min") || accessor.contains("max") || source.inputs[k].semantic == "POSITION")
                 set_bounds(decoded.attributes.at(source.inputs[k].semantic), accessor);
-            accessors.push_back(model_.append("accessors", std::move(accessor)));
+            out.accessors.push_back(std::move(accessor));
+            out.plain_bytes += source.inputs[k].elements.data.size();
         }
-        Compressed out;
-        for (const auto& [semantic, input] : source.input_of) {
-            out.attributes[semantic] = accessors[input];
-            out.extension["attributes"][semantic] = stream.unique_ids[input];
-        }
-        out.extension["bufferView"] = model_.append_view({-1, {}, std::move(stream.bytes)});
-        json indices = primitive.contains("indices") ? promise(primitive["indices"].get<std::uint64_t>(), 0) : json::object();
-        indices["componentType"] = static_cast<int>(decoded.vertex_count <= 65535 ? ComponentType::u16 : ComponentType::u32);
-        indices["type"] = "SCALAR";
-        indices["count"] = decoded.indices.size();
-        if (indices.contains("min") || indices.contains("max")) {
+        out.indices = primitive.contains("indices") ? promise(primitive["indices"].get<std::uint64_t>(), 0) : json::object();
+        const ComponentType component = decoded.vertex_count <= 65535 ? ComponentType::u16 : ComponentType::u32;
+        out.indices["componentType"] = static_cast<int>(component);
+        out.indices["type"] = "SCALAR";
+        out.indices["count"] = decoded.indices.size();
+        if (out.indices.contains("min") || out.indices.contains("max")) {
             const auto [least, most] = std::ranges::minmax(decoded.indices);
-            indices["min"] = {least};
-            indices["max"] = {most};
+            out.indices["min"] = {least};
+            out.indices["max"] = {most};
         }
-        out.indices = model_.append("accessors", std::move(indices));
+        out.plain_bytes += source.indices.size() * component_bytes(component);
+        out.packed_bytes = stream.bytes.size();
+        out.stream = std::move(stream);
         return out;
     }
 

@@ -6,7 +6,7 @@
 /// Order    Edgebreaker: vertices and triangles change their order, equal vertices become one, triangles with two
 ///          corners at one place go. With morph targets, which stay outside of the stream, the order is kept instead.
 /// Grid     positions of all primitives of a mesh lie on one grid, so that they meet where they met before.
-/// Left     points, lines, strips, fans; attributes that are matrices; what Draco refuses, with a warning.
+/// Left     meshes that would not get smaller, such as single quads; points, lines, strips, fans; attributes that are matrices; what Draco refuses, with a warning.
 /// Threads  pure; the same model gives the same bytes.
 #pragma once
 #include "formats/gltf/gltf_out_model.h"

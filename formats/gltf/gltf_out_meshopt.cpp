@@ -139,7 +139,14 @@ std::optional<MeshoptBytes> pack(const OutputModel& model, std::size_t view, con
 }  // namespace
 
 void pack_meshopt(OutputModel& model) {
-    const ViewUses uses(model);
+    std::optional<ViewUses> found;
+    try {
+        found.emplace(model);
+    } catch (const Error& error) {  // in a part that nobody has read: the model must not be lost for its sake
+        model.warnings.push_back({"meshopt-left-out", error.where, error.what_text + "; all arrays are stored plain"});
+        return;
+    }
+    const ViewUses& uses = *found;
     for (std::size_t view = 0; view < model.views.size(); ++view) {
         try {
             model.views[view].packed = pack(model, view, uses[view]);

@@ -207,21 +207,44 @@ TEST_F(GltfOutPacking, DracoDropsOnlyTrianglesWithoutArea) {
     EXPECT_EQ(packed.indices.size(), indices.size() - 3);
 }
 
+/// A strip of the plane along z, `cells` long, from x0 to x1.
+json band(Model& model, float x0, float x1, std::uint16_t cells, int material) {
+    std::vector<float> positions;
+    std::vector<std::uint16_t> indices;
+    for (std::uint16_t k = 0; k <= cells; ++k) {
+        const float z = static_cast<float>(k) * 0.37f;
+        positions.insert(positions.end(), {x0, 0, z, x1, 0, z});
+        if (k < cells)
+            for (const int index : {2 * k, 2 * k + 2, 2 * k + 1, 2 * k + 1, 2 * k + 2, 2 * k + 3}) indices.push_back(static_cast<std::uint16_t>(index));
+    }
+    return {{"attributes", {{"POSITION", model.floats("VEC3", 3, positions)}}}, {"indices", model.indices(indices)}, {"material", material}};
+}
+
 TEST_F(GltfOutPacking, PrimitivesOfAMeshStillMeet) {
     Model model;
     model.root["materials"] = json::array({json::object(), json::object()});
-    const std::size_t left = model.floats("VEC3", 3, {-7, 0, 0, 0.123f, 0, 0, 0.123f, 1.01f, 0});
-    const std::size_t right = model.floats("VEC3", 3, {0.123f, 1.01f, 0, 0.123f, 0, 0, 3, 9, 2});
-    model.root["meshes"] = json::array({{{"primitives", json::array({{{"attributes", {{"POSITION", left}}}, {"material", 0}},
-                                                                    {{"attributes", {{"POSITION", right}}}, {"material", 1}}})}}});
+    // The second begins and ends elsewhere, so that a grid of its own would lie elsewhere too.
+    model.root["meshes"] = json::array({{{"primitives", json::array({band(model, -7, 0.123f, 40, 0), band(model, 0.123f, 1, 40, 1)})}}});
     model.show(0, "two");
-    const GltfDocument out = bake_packed(model.parse(), weld, draco({.position = 6}));
+    const GltfDocument out = bake_packed(model.parse(), weld, draco({.position = 9}));
     std::map<std::array<float, 3>, int> users;
     for (int p = 0; p < 2; ++p) {
+        EXPECT_TRUE(out.json["meshes"][0]["primitives"][static_cast<std::size_t>(p)].contains("extensions"));
         const std::vector<float> values = to_floats(read_primitive(out, 0, p).attributes.at("POSITION"));
         for (std::size_t k = 0; k < values.size(); k += 3) ++users[{values[k], values[k + 1], values[k + 2]}];
     }
-    EXPECT_EQ(std::ranges::count_if(users, [](const auto& user) { return user.second == 2; }), 2) << "the common edge is torn";
+    EXPECT_EQ(std::ranges::count_if(users, [](const auto& user) { return user.second == 2; }), 41) << "the common edge is torn";
+}
+
+TEST_F(GltfOutPacking, WhatWouldGetLargerStaysPlain) {
+    Model model;
+    model.root["materials"] = json::array({json::object()});
+    model.root["meshes"] = json::array({{{"primitives", json::array({model.quad()})}}});
+    model.show(0, "quad");
+    const GltfDocument document = model.parse();
+    bake_packed(document, weld, draco(), "packed.glb");
+    bake_packed(document, weld, {}, "plain.glb");
+    EXPECT_EQ(read_file(folder / "packed.glb"), read_file(folder / "plain.glb"));
 }
 
 TEST_F(GltfOutPacking, EqualCopiesShareOneStream) {
@@ -256,7 +279,7 @@ TEST_F(GltfOutPacking, WhatDracoCannotTakeStays) {
     lines["mode"] = 1;
     strip["mode"] = 5;
     odd["attributes"]["_HEAT"] = model.floats("SCALAR", 1, {0, std::numeric_limits<float>::quiet_NaN(), 1, 2});
-    model.root["meshes"] = json::array({{{"primitives", json::array({lines, model.quad()})}}, {{"primitives", json::array({strip, odd})}}});
+    model.root["meshes"] = json::array({{{"primitives", json::array({lines, band(model, 0, 1, 40, 0)})}}, {{"primitives", json::array({strip, odd})}}});
     model.show(0, "baked");
     const GltfDocument document = model.parse();  // no node shows the second mesh: it stays as it is
     const GltfDocument out = bake_packed(document, weld, draco());
