@@ -49,8 +49,10 @@ NodeOwners find_node_owners(const json& root, const GltfSplit& split) {
         const json& node = gltf_item(root, "nodes", static_cast<std::int64_t>(number), "nodes");
         const std::int64_t parent = owners.parent[number];
         moves[number] = moving.contains(number) || node.contains("skin") || (parent >= 0 && moves[static_cast<std::size_t>(parent)]);
-        const bool may_be_apart = node.contains("mesh") && !moves[number] && number < split.part_of_node.size();
-        owners.owner[number] = may_be_apart ? split.part_of_node[number] : common_part;
+        // Nodes that the writer has added show copies of their parents.
+        const std::size_t of_input = number < split.part_of_node.size() ? number : static_cast<std::size_t>(std::max(parent, std::int64_t{0}));
+        const bool may_be_apart = node.contains("mesh") && !moves[number] && of_input < split.part_of_node.size();
+        owners.owner[number] = may_be_apart ? split.part_of_node[of_input] : common_part;
         owners.order.push_back(number);
         const json& children = json_array(node, "children", "node");
         for (auto child = children.rbegin(); child != children.rend(); ++child) {

@@ -100,7 +100,7 @@ class PartWriter {
     GltfPart write_part(std::int64_t part, const std::string& suffix) {
         GltfPart written;
         for (const std::uint64_t node : owners_.order)
-            if (owners_.owner[node] == part) written.nodes.push_back(node);
+            if (owners_.owner[node] == part && node < packing_.split->part_of_node.size()) written.nodes.push_back(node);
         const std::vector<std::uint64_t> nodes = nodes_of(part);
         if (nodes.empty()) return written;
         OutputModel target = OutputModel::empty(model_.document);

@@ -150,7 +150,8 @@ def write(folder):
     with open(os.path.join(folder, "blue picture.png"), "wb") as file:
         file.write(png(10, 10, 200))
     document = {
-        "asset": {"version": "2.0", "generator": "everything.py", "copyright": "none", "extras": {"kept": [1, 2]}, "extensions": {"ACME_unknown": {}}},
+        "asset": {"version": "2.0", "generator": "everything.py", "copyright": "none", "extras": {"kept": [1, 2]},
+                  "extensions": {"ACME_unknown": {}}},
         "scene": 1, **odd(0),
         "scenes": [{"name": "other", "nodes": [4], **odd(4)}, {"name": "main", "nodes": [0]}],
         "nodes": [

@@ -6,11 +6,11 @@ values  the input with its compressed arrays decoded under the same numbers (dec
 after   the baked model
 
 Compared: the scenes, nodes, cameras, skins, animations, unknown members, extensions and extras as JSON; arrays by their
-elements, in their component types (to one unit where a decoder may round: filters of meshopt); pictures byte for byte; all materials, textures and samplers under their numbers; every
-triangle's corners with all attributes and morph targets. Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV
-set, clones of materials, their textures), vertices that are split, primitives parted by page, meshes copied per node,
-strips and fans as triangles, arrays in other views, decoded compression; copies of a node (EXT_mesh_gpu_instancing) have attributes
-for their places, and some of them may be shown by children of that node.
+elements, in their component types (to one unit where a decoder may round: filters of meshopt); pictures byte for byte; all
+materials, textures and samplers under their numbers; every triangle's corners with all attributes and morph targets.
+Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV set, clones of materials, their textures), vertices that are
+split, primitives parted by page, meshes copied per node, strips and fans as triangles, arrays in other views, decoded compression;
+copies of a node (EXT_mesh_gpu_instancing) have attributes for their places, and some of them may be shown by children of that node.
 """
 import collections
 import copy

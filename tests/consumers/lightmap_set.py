@@ -1,7 +1,7 @@
 """The lightmap set of a model: which lightmap each triangle has, and where on it. For comparing files that tools have rewritten.
 
 Two models have the same set when the same triangles (lightmap coordinates, corner by corner) have the same picture (every byte),
-intensity, sampler and extras. Tools may move, merge and reorder everything else. Standard library only.
+intensity, sampler and extras: lost(). moved() is for tools that round coordinates. Tools may move, merge and reorder everything else. Standard library only.
 """
 import collections
 import hashlib
@@ -58,40 +58,45 @@ def lightmap_set(path):
     return found
 
 
-def lost(before, after, tolerance=0.0):
-    """A line that says how many triangles of one set are not in the other, if there are any. tolerance: of a coordinate."""
+def lost(before, after):
+    """A line that says how many triangles of one set are not in the other, bit by bit, if there are any."""
     if not any(before.values()):
         return ["there are no lightmaps to lose"]
-    missing = sum(len(_unmatched(triangles, after.get(lightmap, []), tolerance)) for lightmap, triangles in before.items())
-    total, gone = sum(map(len, before.values())), set(before) - set(after)
-    added = sum(map(len, after.values())) - total + missing
-    return [f"{missing} of {total} triangles have lost their place on a lightmap, {added} have another one; "
-            f"{len(gone)} lightmaps are gone or have changed"] if missing or added or gone else []
+    had, has = (collections.Counter((lightmap, _turned(triangle)) for lightmap, triangles in which.items() for triangle in triangles)
+                for which in (before, after))
+    missing, added, gone = sum((had - has).values()), sum((has - had).values()), set(before) - set(after)
+    return [f"{missing} of {sum(had.values())} triangles have lost their place on a lightmap, {added} have another one; "
+            f"{len(gone)} lightmaps are gone or have changed"] if missing or added else []
 
 
-def _unmatched(wanted, given, tolerance):
-    """Triangles that have no partner. Tools may turn a triangle, which is the same one. Cells of the first corner find candidates."""
-    cell = max(4 * tolerance, 1e-6)
-    waiting = collections.defaultdict(list)
-    for number, triangle in enumerate(given):
-        for turn in range(3 if triangle else 0):
-            waiting[int(triangle[turn][0] / cell), int(triangle[turn][1] / cell)].append((number, triangle[turn:] + triangle[:turn]))
-    taken, alone = set(), []
-    for triangle in wanted:
-        partner = _partner(triangle, waiting, taken, cell, tolerance)
-        if partner is None:
-            alone.append(triangle)
-        else:
-            taken.add(partner)
-    return alone
+def _turned(triangle):
+    """Tools may turn a triangle, which is the same one."""
+    return triangle and min(triangle[first:] + triangle[:first] for first in range(3))
 
 
-def _partner(triangle, waiting, taken, cell, tolerance):
-    if triangle is None:
-        return None
-    column, row = int(triangle[0][0] / cell), int(triangle[0][1] / cell)
-    for place in ((column + x, row + y) for x in (0, -1, 1) for y in (0, -1, 1)):
-        for number, other in waiting.get(place, ()):
-            if number not in taken and all(abs(a - b) <= tolerance for one, two in zip(triangle, other) for a, b in zip(one, two)):
-                return number
-    return None
+# Linear functions of a corner, as factors of u and v.
+DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1), (2, 1), (1, -2))
+
+
+def moved(before, after, tolerance):
+    """A line where coordinates were rounded by more than the tolerance. Where every one of many numbers moves by at most t, so
+    does each place of their sorted list: sorted lists of corners, and of triangles' sums of corners, seen from several directions
+    must agree. No partners need to be found, which nearby small triangles would make ambiguous."""
+    if not any(before.values()):
+        return ["there are no lightmaps to lose"]
+    if set(before) != set(after) or any(len(before[key]) != len(after[key]) or None in after[key] for key in before):
+        return ["lightmaps or triangles on them are gone, or were added"]
+    worst = max(_largest_step(before[key], after[key], direction) for key in before for direction in DIRECTIONS)
+    return [f"coordinates have moved by up to {worst:.3g}, allowed {tolerance:.3g}"] if worst > tolerance else []
+
+
+def _largest_step(before, after, direction):
+    """Between the sorted lists, as a move of a single coordinate."""
+    length, steps = sum(map(abs, direction)), []
+    for corners in (False, True):
+        lists = []
+        for triangles in (before, after):
+            seen = [[direction[0] * u + direction[1] * v for u, v in triangle] for triangle in triangles]
+            lists.append(sorted([value for three in seen for value in three] if corners else [sum(three) / 3 for three in seen]))
+        steps += [abs(one - other) / length for one, other in zip(*lists)]
+    return max(steps, default=0)

@@ -77,7 +77,9 @@ def bake(luxel, source, output, *arguments, options=tuple(QUICK)):
 
 def node(*arguments, **options):
     """Runs a script with Node and the packages of build/deps/consumers."""
-    return subprocess.run(["node", "--import", os.path.join(HERE, "modules.mjs"), *arguments], env={**os.environ, "LUXEL_MODULES": MODULES}, text=True, errors="replace", check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+    return subprocess.run(["node", "--import", os.path.join(HERE, "modules.mjs"), *arguments],
+                          env={**os.environ, "LUXEL_MODULES": MODULES}, text=True, errors="replace", check=False,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
 
 def has_modules():

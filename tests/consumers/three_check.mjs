@@ -18,7 +18,8 @@ const PAGE = `<!doctype html><meta charset="utf-8">
 
 const job = JSON.parse(fs.readFileSync(0, 'utf8'));
 const executablePath = process.env.LUXEL_CHROMIUM ?? execFileSync('which', ['chromium'], { encoding: 'utf8' }).trim();
-const server = await serve({ modules: path.join(process.env.LUXEL_MODULES, 'node_modules'), check: here, tools: path.join(here, '../../tools/three'), baked: folder }, PAGE);
+const server = await serve({ modules: path.join(process.env.LUXEL_MODULES, 'node_modules'), check: here,
+  tools: path.join(here, '../../tools/three'), baked: folder }, PAGE);
 const browser = await chromium.launch({ executablePath, args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
 try {
   const page = await browser.newPage({ viewport: { width: job.arguments.width ?? 512, height: job.arguments.height ?? 512 } });

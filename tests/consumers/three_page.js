@@ -62,11 +62,12 @@ async function loadPages(urls) {
   return Promise.all(urls.map(async url => {
     const { image: { width, height, data } } = await loader.loadAsync(url);
     const channels = data.length / (width * height);
-    return { width, height, data, channels, largest: data.reduce((most, value, at) => channels === 4 && at % 4 === 3 ? most : Math.max(most, value), 0) };
+    const largest = data.reduce((most, value, at) => at % channels < 3 ? Math.max(most, value) : most, 0);
+    return { width, height, data, channels, largest };
   }));
 }
 
-/** Irradiance at a place of a page, in lux: between texel centres linearly, as the graphics card does. v is down from the top. */
+/** Irradiance at a place of a page, in lux: linear between texel centres, as on the graphics card. v is down from the top. */
 function irradianceAt(page, uv) {
   const { width, height, data, channels } = page;
   const x = uv.x * width - 0.5, y = uv.y * height - 0.5;
@@ -97,8 +98,8 @@ function expectedAt(hit, pages) {
 }
 
 /**
- * Per compared pixel: lux (of the float page), largest (of that page), expected (reflectance / pi * lux), linear (drawn, not tone mapped), exposed (bytes of
- * the canvas). Only pixels whose neighbours show the same object, and surfaces that do not emit.
+ * Per compared pixel: lux (of the float page), largest (of that page), expected (reflectance / pi * lux), linear (drawn, not tone
+ * mapped), exposed (bytes of the canvas). Only pixels whose neighbours show the same object, and surfaces that do not emit.
  */
 async function compare({ model, pages, camera: view, options, exposure }) {
   useRenderer(SIZE, SIZE, false);
@@ -116,7 +117,8 @@ async function compare({ model, pages, camera: view, options, exposure }) {
       const around = [[1, 1], [-1, 1], [1, -1], [-1, -1]].map(([x, y]) => hitAt(raycaster, camera, meshes, column + x, row + y));
       if (around.some(other => other?.object !== hit.object || other.face.normal.dot(hit.face.normal) < 0.999)) continue;
       const at = (row * SIZE + column) * 4, { lux, largest, radiance } = expectedAt(hit, exrs);
-      found.push({ column, row, object: hit.object.name, lux, largest, expected: radiance, linear: Array.from(linear.subarray(at, at + 3)), exposed: Array.from(exposed.subarray(at, at + 3)) });
+      found.push({ column, row, object: hit.object.name, lux, largest, expected: radiance, linear: Array.from(linear.subarray(at, at + 3)),
+        exposed: Array.from(exposed.subarray(at, at + 3)) });
     }
   return found;
 }

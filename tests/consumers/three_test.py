@@ -80,7 +80,8 @@ def judge_standard(pixels, wrong):
     """three's standard material keeps a part of the diffuse light for its mirror-like part: 1.5 % head-on at roughness 1, more the
     flatter one looks. It must not keep more than that, nor give any."""
     shares = [pixel["linear"][channel] / expected for pixel, channel, expected in lit_values(pixels)]
-    print(f"{'standard material':22} {len(shares):6} values, {min(shares):.3f} to {max(shares):.3f} of the light, mean {statistics.fmean(shares):.3f}")
+    print(f"{'standard material':22} {len(shares):6} values, {min(shares):.3f} to {max(shares):.3f} of the light, "
+          f"mean {statistics.fmean(shares):.3f}")
     if not 0.9 < min(shares) <= max(shares) < 1 + TOLERANCE or not 0.95 < statistics.fmean(shares) < 0.99:
         wrong.append("standard material: shows another share of the light than docs/viewers.md says")
 

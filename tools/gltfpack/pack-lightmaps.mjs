@@ -52,7 +52,8 @@ function withCarriers(json) {
 function runGltfpack(input, output, options) {
   const program = process.env.GLTFPACK ?? 'gltfpack';
   const command = /\.[cm]?js$/.test(program) ? [process.execPath, program] : [program];
-  const done = spawnSync(command[0], [...command.slice(1), '-i', input, '-o', output, '-kv', '-vtf', '-vt', '16', '-ke', '-km', ...options], { stdio: 'inherit' });
+  const keeping = ['-kv', '-vtf', '-vt', '16', '-ke', '-km'];
+  const done = spawnSync(command[0], [...command.slice(1), '-i', input, '-o', output, ...keeping, ...options], { stdio: 'inherit' });
   if (done.error) fail(`gltfpack cannot be started (${done.error.message}); install it, or name it by GLTFPACK`);
   if (done.status !== 0) fail(`gltfpack ended with ${done.status}`);
 }

@@ -72,7 +72,8 @@ async function decodeKtx2(bytes) {
   const { read } = await import('three/addons/libs/ktx-parse.module.js');
   const file = read(bytes), { pixelWidth: width, pixelHeight: height, levels: [level] } = file;
   if (file.vkFormat !== R16G16B16A16_SFLOAT || ![NONE, ZSTD].includes(file.supercompressionScheme))
-    throw new Error(`MOZ_lightmap: expected KTX 2.0 with vkFormat 97, plain or by zstd, found vkFormat ${file.vkFormat}, scheme ${file.supercompressionScheme}`);
+    throw new Error('MOZ_lightmap: expected KTX 2.0 with vkFormat 97, plain or by zstd, ' +
+      `found vkFormat ${file.vkFormat}, scheme ${file.supercompressionScheme}`);
   let content = level.levelData;
   if (file.supercompressionScheme === ZSTD) {
     const { ZSTDDecoder } = await import('three/addons/libs/zstddec.module.js');

@@ -114,7 +114,8 @@ class LightmapPlugin {
   /** Into a material, or into the parameters of one. */
   async assignLightmap(params, lightmap) {
     const encoding = this.encodingOf(lightmap);
-    params.lightMapIntensity = (lightmap.intensity ?? 1) * (lightmap.extras?.irradianceFactor ?? 1) * (DECODER_FACTORS[encoding] ?? 1) * this.options.scale;
+    const { intensity = 1, extras: { irradianceFactor = 1 } = {} } = lightmap;
+    params.lightMapIntensity = intensity * irradianceFactor * (DECODER_FACTORS[encoding] ?? 1) * this.options.scale;
     await this.parser.assignTexture(params, 'lightMap', { texCoord: 1, ...lightmap }, COLOR_SPACES[encoding]);
   }
 
