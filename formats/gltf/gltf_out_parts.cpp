@@ -87,7 +87,9 @@ class PartWriter {
             json& item = model_.root["images"][image];
             if (!item.contains("bufferView")) continue;
             const std::string type = json_text(item, "mimeType", "", model_.document.name);
-            const std::string suffix = type == "image/png" ? ".png" : type == "image/jpeg" ? ".jpg" : type.starts_with("image/") ? "." + type.substr(6) : "";
+            std::string suffix = ".";
+            if (type.starts_with("image/")) suffix += type == "image/jpeg" ? "jpg" : type.substr(6);
+            else suffix.clear();
             const auto file = folder_ / files_.free_name(".image" + std::to_string(image) + suffix);
             publish_file(file, model_.view_bytes(item["bufferView"].get<std::size_t>(), model_.document.name));
             out_.pictures.push_back(file);
