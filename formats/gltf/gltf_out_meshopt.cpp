@@ -15,6 +15,8 @@ namespace {
 
 constexpr const char* meshopt_extension_name = "EXT_meshopt_compression";
 constexpr std::uint64_t mode_triangles = 4, longest_element_bytes = 256;
+/// What the JSON of a packed view is longer than that of a plain one.
+constexpr std::uint64_t description_bytes = 150;
 
 /// What an accessor promises of its elements, as far as it matters here.
 struct Elements {
@@ -133,7 +135,7 @@ std::optional<MeshoptBytes> pack(const OutputModel& model, std::size_t view, con
     if (bytes.empty()) return std::nullopt;
     std::optional<MeshoptBytes> packed =
         use.indices.empty() ? pack_arrays(use, bytes, model.view_stride(view, where)) : pack_indices(use, bytes);
-    return packed && packed->bytes.size() < bytes.size() ? std::move(packed) : std::nullopt;
+    return packed && packed->bytes.size() + description_bytes < bytes.size() ? std::move(packed) : std::nullopt;
 }
 
 }  // namespace

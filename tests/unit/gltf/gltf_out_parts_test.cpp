@@ -103,8 +103,8 @@ std::set<std::string> unused_objects(const GltfDocument& document) {
 
 class GltfOutParts : public GltfOut {
   protected:
-    GltfWritten write_hall(const GltfPacking& storage = {}, const char* name = "out.glb") {
-        const GltfDocument document = make_hall().parse();
+    GltfWritten write_hall(const GltfPacking& storage = {}, const char* name = "out.glb", Model model = make_hall()) {
+        const GltfDocument document = model.parse();
         const SceneRecord record = read_scene(document);
         GltfLightmaps maps = lightmaps(record, 2);
         for (std::size_t k = 0; k < record.instances.size(); ++k)
@@ -202,6 +202,36 @@ TEST_F(GltfOutParts, PicturesOfSeveralFilesAreWrittenOnce) {
         const std::string place = image["uri"];
         EXPECT_TRUE(place.starts_with("data:") || std::filesystem::exists(folder / place)) << place;
     }
+}
+
+TEST_F(GltfOutParts, NumbersInPointersFollowAndUnknownOnesGo) {
+    Model model = make_hall();
+    const std::size_t times = model.floats("SCALAR", 1, {0, 1}), values = model.floats("SCALAR", 1, {2, 3});
+    const auto channel = [](const char* pointer) -> json {
+        return {{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", {{"pointer", pointer}}}}}}}};
+    };
+    model.root["animations"].push_back({{"samplers", {{{"input", times}, {"output", values}}}},
+                                        {"channels", {channel("/extensions/KHR_lights_punctual/lights/1/intensity"), channel("/materials/2/alphaCutoff"),
+                                                      channel("/nodes/7/scale"), channel("/elsewhere/1")}}});
+    model.root["nodes"][left]["extensions"]["ODD_reference"] = {{"thing", 3}};
+    model.root["nodes"][left]["extensions"]["ODD_colour"] = {{"name", "red"}};
+    model.root["extensionsUsed"].push_back("ODD_reference");
+    model.root["extensionsUsed"].push_back("ODD_colour");
+    written = write_hall({}, "out.glb", model);
+    const json common = load(*written.parts.common).json, part = load(written.parts.parts[0]).json;
+    std::vector<std::string> pointers;
+    for (const json& kept : common["animations"][1]["channels"]) pointers.push_back(kept["target"]["extensions"]["KHR_animation_pointer"]["pointer"]);
+    ASSERT_EQ(pointers.size(), 2u) << "the material is in no common mesh, and the last names nothing";
+    EXPECT_EQ(pointers[0], "/extensions/KHR_lights_punctual/lights/0/intensity");
+    std::size_t joint_number = 0;
+    while (common["nodes"][joint_number]["name"] != "joint") ++joint_number;
+    EXPECT_EQ(pointers[1], "/nodes/" + std::to_string(joint_number) + "/scale");
+    EXPECT_EQ(part["nodes"][1]["extensions"], (json{{"ODD_colour", {{"name", "red"}}}}));
+    EXPECT_EQ(part["extensionsUsed"], (json{"ODD_colour", "MOZ_lightmap"}));
+    std::set<std::string> codes;
+    for (const Warning& warning : written.warnings) codes.insert(warning.code);
+    EXPECT_TRUE(codes.contains("extension-left-out"));
+    EXPECT_TRUE(codes.contains("channels-left-out"));
 }
 
 TEST_F(GltfOutParts, SameBytesTwiceAndAllOrNothing) {
