@@ -90,6 +90,10 @@ function hitAt(raycaster, camera, meshes, column, row) {
 
 function expectedAt(hit, pages) {
   const { material } = hit.object, uv = hit.uv1.clone();
+  if (hit.object.isInstancedMesh) {
+    const { _LIGHTMAP_OFFSET: offset, _LIGHTMAP_SCALE: scale } = hit.object.geometry.attributes, i = hit.instanceId;
+    uv.set(uv.x * scale.getX(i) + offset.getX(i), uv.y * scale.getY(i) + offset.getY(i));
+  }
   material.lightMap.updateMatrix();
   uv.applyMatrix3(material.lightMap.matrix);
   const page = pages[Number(/^lightmap(\d+)/.exec(material.lightMap.name)[1])];

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import statistics
+import struct
 import sys
 import tempfile
 
@@ -94,10 +95,11 @@ def rewrite(source, target, edit):
     gltf_file.write_glb(target, file.json, bytes(body))
 
 
-def transformed(file, body):
-    """The same model with its lightmap coordinates in a corner of UV space, and a transform that takes them out of there."""
-    import struct
-    offset, scale = (0.25, -0.5), (2.0, 4.0)
+OFFSET, SCALE = (0.25, -0.5), (2.0, 4.0)
+
+
+def move_coordinates(file, body):
+    """Puts lightmap coordinates into a corner of UV space: coordinate on the page = the new one * SCALE + OFFSET."""
     done = set()
     for mesh in file.items("meshes"):
         for primitive in mesh["primitives"]:
@@ -109,12 +111,37 @@ def transformed(file, body):
                 continue
             done.add(start)
             for number, pair in enumerate(file.numbers(index)):
-                moved = [(value - o) / s for value, o, s in zip(pair, offset, scale)]
+                moved = [(value - o) / s for value, o, s in zip(pair, OFFSET, SCALE)]
                 struct.pack_into("<2f", body, start + number * view.get("byteStride", 8), *moved)
+
+
+def transformed(file, body):
+    """A transform takes the coordinates out of their corner."""
+    move_coordinates(file, body)
     for material in file.items("materials"):
         if "MOZ_lightmap" in material.get("extensions", {}):
-            material["extensions"]["MOZ_lightmap"]["extensions"] = {"KHR_texture_transform": {"offset": offset, "scale": scale}}
+            material["extensions"]["MOZ_lightmap"]["extensions"] = {"KHR_texture_transform": {"offset": OFFSET, "scale": SCALE}}
     file.json["extensionsUsed"].append("KHR_texture_transform")
+
+
+def copied(file, body):
+    """Attributes of copies do: each node shows itself, and a copy far behind the camera with another place."""
+    move_coordinates(file, body)
+
+    def column(kind, values):
+        body.extend(bytes(-len(body) % 4))
+        file.json["bufferViews"].append({"buffer": 0, "byteOffset": len(body), "byteLength": 4 * len(values)})
+        body.extend(struct.pack(f"<{len(values)}f", *values))
+        file.json["accessors"].append({"bufferView": len(file.json["bufferViews"]) - 1, "componentType": 5126, "type": kind, "count": 2})
+        return len(file.json["accessors"]) - 1
+
+    attributes = {"TRANSLATION": column("VEC3", [0, 0, 0, 0, 0, -90]), "_LIGHTMAP_OFFSET": column("VEC2", [*OFFSET, 0.9, 0.9]),
+                  "_LIGHTMAP_SCALE": column("VEC2", [*SCALE, 0.01, 0.01])}
+    for node in file.items("nodes"):
+        if "mesh" in node:
+            node.setdefault("extensions", {})["EXT_mesh_gpu_instancing"] = {"attributes": attributes}
+    file.json["extensionsUsed"].append("EXT_mesh_gpu_instancing")
+    file.json["buffers"][0]["byteLength"] = len(body)
 
 
 def unlit(file, body):
@@ -135,7 +162,7 @@ def main():
         for kind, way in kinds.items():
             scenes.bake(luxel, box, os.path.join(folder, kind + way.suffix), "--work", os.path.join(folder, "work"), *way.arguments, options=BAKE)
         first = KINDS[0].name
-        for name, edit in (("transform", transformed), ("unlit", unlit)):
+        for name, edit in (("transform", transformed), ("copies", copied), ("unlit", unlit)):
             rewrite(os.path.join(folder, first + ".glb"), os.path.join(folder, name + ".glb"), edit)
 
         def compare(model, pages, suffix=".glb", **options):
@@ -144,6 +171,7 @@ def main():
         for kind, way in kinds.items():
             judge(kind, compare(kind, kind, way.suffix, lambert=True), wrong)
         judge("KHR_texture_transform", compare("transform", first, lambert=True), wrong)
+        judge("copies of nodes", compare("copies", first, lambert=True), wrong)
         judge("unlit", compare("unlit", first), wrong)
         judge_standard(compare(first, first), wrong)
     print(*wrong, sep="\n", file=sys.stderr)

@@ -20,13 +20,16 @@
  *
  * A file without `extras.encoding` is not luxel's; options.encoding says what it has.
  *
+ * Copies by EXT_mesh_gpu_instancing, each with a place of its own on the page (attributes _LIGHTMAP_OFFSET and _LIGHTMAP_SCALE of the
+ * extension), get geometry that shares all arrays but those, and materials whose shader adds the place.
+ *
  * The lamps of a file are in its lightmaps already: they are made invisible, so that nothing is lit twice.
  * Works with materials that are lit and with those that are unlit (MeshBasicMaterial: three divides by pi there too). Emission
  * stays what the material says: nits, on the same scale. docs/viewers.md has a page, and advice about exposure.
  *
  * Source  MOZ_lightmap (draft by T. Takahiro); three.js r187, which has no loader for it.
  */
-import { LoaderUtils, MeshPhysicalMaterial, NoColorSpace, SRGBColorSpace } from 'three';
+import { BufferGeometry, InstancedBufferAttribute, LoaderUtils, MeshPhysicalMaterial, NoColorSpace, SRGBColorSpace } from 'three';
 
 const EXTENSION = 'MOZ_lightmap';
 
@@ -38,6 +41,28 @@ const DECODER_FACTORS = { rgbe8: 255 / 256 };
 
 /** Extensions by which a texture names a picture that glTF does not know. */
 const PICTURE_EXTENSIONS = ['MOZ_texture_rgbe', 'EXT_texture_exr', 'KHR_texture_basisu'];
+
+/** Places of copies, as luxel writes them: coordinate on the page = uv1 * scale + offset. */
+const COPY_OFFSET = '_LIGHTMAP_OFFSET', COPY_SCALE = '_LIGHTMAP_SCALE';
+
+/** The same arrays and these: a geometry may be shown by several nodes, whose copies have other places. */
+function geometryWithPlaces(geometry, places) {
+  const placed = new BufferGeometry();
+  placed.name = geometry.name;
+  placed.setIndex(geometry.index);
+  placed.morphAttributes = geometry.morphAttributes;
+  placed.morphTargetsRelative = geometry.morphTargetsRelative;
+  placed.boundingBox = geometry.boundingBox;
+  placed.boundingSphere = geometry.boundingSphere;
+  for (const [name, attribute] of [...Object.entries(geometry.attributes), ...places]) placed.setAttribute(name, attribute);
+  return placed;
+}
+
+function withPlaces(vertexShader) {
+  const place = `(lightMapTransform * vec3(LIGHTMAP_UV * ${COPY_SCALE} + ${COPY_OFFSET}, 1.0)).xy`;
+  return `attribute vec2 ${COPY_OFFSET};\nattribute vec2 ${COPY_SCALE};\n` +
+    vertexShader.replace('#include <uv_vertex>', `#include <uv_vertex>\n#ifdef USE_LIGHTMAP\n  vLightMapUv = ${place};\n#endif`);
+}
 
 /**
  * What to give to GLTFLoader.register().
@@ -91,10 +116,12 @@ class LightmapPlugin {
   }
 
   /** After the whole file is loaded. */
-  afterRoot(gltf) {
-    if (this.options.keepLamps || !this.parser.json.materials?.some((_, index) => this.lightmapOf(index))) return null;
-    for (const scene of gltf.scenes) scene.traverse(object => { if (object.isLight) object.visible = false; });
-    return null;
+  async afterRoot(gltf) {
+    if (!this.parser.json.materials?.some((_, index) => this.lightmapOf(index))) return;
+    const objects = [];
+    for (const scene of gltf.scenes) scene.traverse(object => objects.push(object));
+    if (!this.options.keepLamps) for (const object of objects) if (object.isLight) object.visible = false;
+    await Promise.all(objects.map(object => this.placeCopies(object)));
   }
 
   // -------------------------------------------------------------------------------------------------------------------------
@@ -117,6 +144,34 @@ class LightmapPlugin {
     const { intensity = 1, extras: { irradianceFactor = 1 } = {} } = lightmap;
     params.lightMapIntensity = intensity * irradianceFactor * (DECODER_FACTORS[encoding] ?? 1) * this.options.scale;
     await this.parser.assignTexture(params, 'lightMap', { texCoord: 1, ...lightmap }, COLOR_SPACES[encoding]);
+  }
+
+  /** Of a node with EXT_mesh_gpu_instancing that has places for its copies. */
+  async placeCopies(object) {
+    const { parser } = this, node = parser.json.nodes?.[parser.associations.get(object)?.nodes];
+    const attributes = node?.extensions?.EXT_mesh_gpu_instancing?.attributes;
+    if (attributes?.[COPY_OFFSET] === undefined || attributes[COPY_SCALE] === undefined) return;
+    const places = await Promise.all([COPY_OFFSET, COPY_SCALE].map(async name => {
+      const { array } = await parser.getDependency('accessor', attributes[name]);
+      return [name, new InstancedBufferAttribute(array, 2)];
+    }));
+    object.traverse(mesh => {
+      if (!mesh.isInstancedMesh || !mesh.material.lightMap) return;
+      mesh.geometry = geometryWithPlaces(mesh.geometry, places);
+      mesh.material = this.materialWithPlaces(mesh.material);
+    });
+  }
+
+  /** One for each, as others may show it without places. */
+  materialWithPlaces(material) {
+    this.placed ??= new Map();
+    if (!this.placed.has(material)) {
+      const copy = material.clone();
+      copy.onBeforeCompile = shader => { shader.vertexShader = withPlaces(shader.vertexShader); };
+      copy.customProgramCacheKey = () => 'luxel copies';
+      this.placed.set(material, copy);
+    }
+    return this.placed.get(material);
   }
 
   async decodeTexture(textureIndex, lightmap) {
