@@ -23,6 +23,15 @@ bool has_camera_or_lamp(const json& node) {
     return node.contains("camera") || json_extension(node, lights_extension, "node");
 }
 
+/// ".png" for image/png: the subtype, but for jpeg. Nothing for a type that is none: it comes from the file, and must not
+/// lead into another folder.
+std::string file_suffix(const std::string& mime_type) {
+    constexpr std::string_view begin = "image/", letters = "abcdefghijklmnopqrstuvwxyz0123456789-.";
+    if (mime_type == "image/jpeg") return ".jpg";
+    if (!mime_type.starts_with(begin) || mime_type.find_first_not_of(letters, begin.size()) != std::string::npos) return {};
+    return std::string(".").append(mime_type, begin.size());
+}
+
 /// Name and transform, and whether what hangs on it is shown.
 json bare_node(const json& node) {
     json bare = json::object();
@@ -87,10 +96,7 @@ class PartWriter {
             json& item = model_.root["images"][image];
             if (!item.contains("bufferView")) continue;
             const std::string type = json_text(item, "mimeType", "", model_.document.name);
-            std::string suffix = ".";
-            if (type.starts_with("image/")) suffix += type == "image/jpeg" ? "jpg" : type.substr(6);
-            else suffix.clear();
-            const auto file = folder_ / files_.free_name(".image" + std::to_string(image) + suffix);
+            const auto file = folder_ / files_.free_name(".image" + std::to_string(image) + file_suffix(type));
             publish_file(file, model_.view_bytes(item["bufferView"].get<std::size_t>(), model_.document.name));
             out_.pictures.push_back(file);
             item.erase("bufferView");

@@ -234,6 +234,16 @@ TEST_F(GltfOutParts, NumbersInPointersFollowAndUnknownOnesGo) {
     EXPECT_TRUE(codes.contains("channels-left-out"));
 }
 
+TEST_F(GltfOutParts, PicturesStayInTheFolder) {
+    Model model = make_hall();
+    model.root["images"][0] = {{"bufferView", model.root["accessors"][model.array("SCALAR", 5121, 1, std::vector<std::uint8_t>(8, 7))]["bufferView"]},
+                               {"mimeType", "image/../../evil"}};
+    written = write_hall({}, "out.glb", model);
+    ASSERT_FALSE(written.parts.pictures.empty());
+    for (const auto& picture : written.parts.pictures) EXPECT_EQ(picture.lexically_normal().parent_path(), folder.lexically_normal()) << picture;
+    EXPECT_TRUE(std::filesystem::exists(folder / "out.image0"));
+}
+
 TEST_F(GltfOutParts, SameBytesTwiceAndAllOrNothing) {
     written = write_hall();
     std::map<std::filesystem::path, Bytes> first;
