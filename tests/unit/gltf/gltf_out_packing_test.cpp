@@ -120,9 +120,7 @@ class GltfOutPacking : public GltfOut {
                              const char* name = "packed.glb") {
         const SceneRecord record = read_scene(document);
         GltfLightmaps maps = lightmaps(record);
-        for (std::size_t k = 0; k < record.instances.size(); ++k)
-            for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
-                maps.instances[k].push_back(layout(primitive));
+        maps.instances = laid_out_each(record, [&](std::size_t, const PrimitiveRecord& primitive) { return layout(primitive); });
         written = write_gltf(folder / name, document, record, maps, packing);
         return load_gltf(folder / name);
     }

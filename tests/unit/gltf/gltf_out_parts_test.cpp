@@ -107,9 +107,9 @@ class GltfOutParts : public GltfOut {
         const GltfDocument document = model.parse();
         const SceneRecord record = read_scene(document);
         GltfLightmaps maps = lightmaps(record, 2);
-        for (std::size_t k = 0; k < record.instances.size(); ++k)
-            for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
-                maps.instances[k].push_back(scattered(primitive, [&](std::size_t t) { return record.instances[k].node == right ? 0u : static_cast<std::uint32_t>(t); }));
+        maps.instances = laid_out_each(record, [&](std::size_t k, const PrimitiveRecord& primitive) {
+            return scattered(primitive, [&](std::size_t t) { return record.instances[k].node == right ? 0u : static_cast<std::uint32_t>(t); });
+        });
         GltfPacking packing = storage;
         packing.split = GltfSplit{{-1, 0, 1, -1, 1, 0, 1, -1, -1}, 3, -1};
         return write_gltf(folder / name, document, record, maps, packing);

@@ -114,6 +114,19 @@ inline InstanceLayout laid_out(MeshLayout layout, const LayoutPlace& place = {})
     return {std::make_shared<const MeshLayout>(std::move(layout)), place};
 }
 
+/// A layout of its own for every instance; layout(instance, primitive).
+template <class Layout>
+std::vector<InstanceLayout> laid_out_each(const SceneRecord& record, const Layout& layout) {
+    std::vector<InstanceLayout> instances;
+    for (std::size_t k = 0; k < record.instances.size(); ++k) {
+        MeshLayout mesh;
+        for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
+            mesh.push_back(layout(k, primitive));
+        instances.push_back(laid_out(std::move(mesh)));
+    }
+    return instances;
+}
+
 inline GltfLightmaps lightmaps(const SceneRecord& record, std::size_t pages = 1) {
     GltfLightmaps maps;
     for (std::size_t page = 0; page < pages; ++page)
@@ -147,12 +160,7 @@ class GltfOut : public testing::Test {
     GltfDocument bake(const GltfDocument& document, const Layout& layout, std::size_t pages = 1) {
         const SceneRecord record = read_scene(document);
         GltfLightmaps maps = lightmaps(record, pages);
-        for (std::size_t k = 0; k < record.instances.size(); ++k) {
-            MeshLayout mesh;
-            for (const PrimitiveRecord& primitive : record.meshes[static_cast<std::size_t>(record.instances[k].mesh)].primitives)
-                mesh.push_back(layout(primitive));
-            maps.instances[k] = laid_out(std::move(mesh));
-        }
+        maps.instances = laid_out_each(record, [&](std::size_t, const PrimitiveRecord& primitive) { return layout(primitive); });
         return write_and_load(document, record, maps);
     }
     std::filesystem::path folder;
