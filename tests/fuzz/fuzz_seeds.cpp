@@ -15,6 +15,7 @@
 #include "formats/base/compress.h"
 #include "tests/fuzz/fuzz_file.h"
 #include "tests/fuzz/fuzz_scene.h"
+#include "tests/fuzz/geometry_seeds.h"
 #include "tests/fuzz/gltf_seeds.h"
 #include "tests/support/sample_pictures.h"
 #include "tests/support/temporary_folder.h"
@@ -232,5 +233,7 @@ int main(int count, char** arguments) {
     luxel::fuzz::stages(seeds);
     luxel::fuzz::pictures(seeds);
     for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);
+    for (const auto& [name, bytes] : luxel::fuzz::draco_seeds()) seeds.write("draco_fuzz", name, {}, bytes);
+    for (const auto& [name, bytes] : luxel::fuzz::meshopt_seeds()) seeds.write("meshopt_fuzz", name, {}, bytes);
     return 0;
 }
