@@ -202,6 +202,7 @@ struct PrepareOptions {
     std::uint32_t patch_texels = 4;
     std::uint32_t page_size = 256;
     std::uint32_t chunk_patches = 256;
+    InstanceMode instances = InstanceMode::share;
 };
 
 /// A scene with everything up to numbered patches, as the baker makes it. Stays where it is: the tracer refers to it.
@@ -239,6 +240,7 @@ inline std::unique_ptr<Prepared> prepare(Scene scene, const PrepareOptions& opti
     UnwrapOptions unwrapping;
     unwrapping.texels_per_metre = options.texels_per_metre;
     unwrapping.page_size = options.page_size;
+    unwrapping.instances = options.instances;
     std::vector<Warning> warnings;
     made->atlas = unwrap(made->scene, unwrapping, warnings, {});
     made->texels = raster_texels(made->scene, made->atlas);
