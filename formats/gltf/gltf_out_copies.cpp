@@ -43,21 +43,31 @@ AccessorBytes pairs(const CopyPart& part, Imath::V2f LayoutPlace::*member) {
     return elements;
 }
 
-/// The extension with the part's elements of every attribute, and their places.
+/// The part's elements of an attribute, as a new accessor.
+std::uint64_t part_attribute(OutputModel& model, ArrayStore& arrays, const json& accessor, const std::vector<std::uint32_t>& numbers, const std::string& where) {
+    const auto index = static_cast<std::int64_t>(json_value_size(accessor, "accessor", where));
+    const AccessorBytes elements = read_elements(model.document, index, where);
+    if (elements.count <= *std::max_element(numbers.begin(), numbers.end()))
+        bad_gltf(where, "has " + std::to_string(elements.count) + " elements, another attribute has more");
+    return arrays.add(gather_elements(elements, numbers), ArrayUse::other, &gltf_item(model.document.json, "accessors", index, where), false);
+}
+
+/// The extension with the part's elements of every attribute, and their places. What reading has not looked at may be damaged: an
+/// attribute whose elements cannot be chosen from is left out, with a warning.
 json part_extension(OutputModel& model, ArrayStore& arrays, const json& whole, const CopyPart& part, bool is_all, const std::string& where) {
     json extension = whole;
     json& attributes = extension["attributes"];
     if (!is_all) {
         std::vector<std::uint32_t> numbers;
         for (const NodeCopy* copy : part.copies) numbers.push_back(copy->number);
-        for (auto& [semantic, accessor] : attributes.items()) {
-            const std::string here = where + ": " + instancing + ' ' + semantic;
-            const auto index = static_cast<std::int64_t>(json_value_size(accessor, "accessor", here));
-            const AccessorBytes elements = read_elements(model.document, index, here);
-            if (elements.count <= *std::max_element(numbers.begin(), numbers.end()))
-                bad_gltf(here, "has " + std::to_string(elements.count) + " elements, another attribute has more");
-            accessor = arrays.add(gather_elements(elements, numbers), ArrayUse::other,
-                                  &gltf_item(model.document.json, "accessors", index, here), false);
+        for (auto attribute = attributes.begin(); attribute != attributes.end();) {
+            try {
+                *attribute = part_attribute(model, arrays, *attribute, numbers, where + ": " + instancing + ' ' + attribute.key());
+                ++attribute;
+            } catch (const Error& error) {
+                model.warnings.push_back({"instance-attribute-lost", error.where, error.what_text});
+                attribute = attributes.erase(attribute);
+            }
         }
     }
     if (!part.layout->mesh) return extension;

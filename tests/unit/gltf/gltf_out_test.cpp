@@ -182,14 +182,16 @@ TEST_F(GltfOut, CopiesOfOneLayoutShareAllArrays) {
 }
 
 /// A node with copies at x = 0, 1, 2 and a custom attribute.
-GltfDocument copied_quad() {
+GltfDocument copied_quad(bool is_damaged = false) {
     Model model;
     model.root["materials"] = json::array({json::object()});
     model.root["meshes"] = json::array({{{"name", "tree"}, {"primitives", json::array({model.quad()})}}});
     model.show(0, "wood");
     const std::uint64_t places = model.floats("VEC3", 3, {0, 0, 0, 1, 0, 0, 2, 0, 0});
     const std::uint64_t kinds = model.floats("SCALAR", 1, {7, 8, 9});
+    const std::uint64_t damaged = model.floats("SCALAR", 1, {1});  // too short for three
     model.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", places}, {"_KIND", kinds}};
+    if (is_damaged) model.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["_SHORT"] = damaged;
     model.root["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
     return model.parse();
 }
@@ -225,6 +227,22 @@ TEST_F(GltfOut, CopiesOfANodeHaveTheirPlacesInAttributes) {
         return map["index"];
     };
     EXPECT_NE(page_of(0), page_of(1));
+}
+
+TEST_F(GltfOut, DamagedAttributesOfCopiesCostNoBake) {
+    const GltfDocument document = copied_quad(true);
+    const SceneRecord record = read_scene(document);
+    GltfLightmaps maps = lightmaps(record, 2);
+    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
+    second.triangle_page.assign(second.triangle_page.size(), 1);
+    maps.instances[0] = laid_out({first}, {{0.5f, 0.5f}, {0, 0}});
+    maps.instances[1] = laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}});
+    maps.instances[2] = {maps.instances[1].mesh, {{0.5f, 0.5f}, {0, 0.5f}}};
+    const GltfDocument out = write_and_load(document, record, maps);
+    EXPECT_EQ(instance_attribute(out, 1, "_KIND"), (std::vector<float>{8, 9}));
+    EXPECT_FALSE(out.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"].contains("_SHORT"));
+    ASSERT_EQ(written.warnings.size(), 1u);
+    EXPECT_EQ(written.warnings[0].code, "instance-attribute-lost");
 }
 
 TEST_F(GltfOut, CopiesWithoutPlacesBecomeNodes) {
