@@ -26,6 +26,12 @@ enum class EstimatorKind { ray, hemicube };
 /// What becomes of jumps of light between charts where the surface goes on: output/seam_join.h.
 enum class SeamMode { join, keep };
 
+/// Which side of a two-sided surface its texels hold the light of.
+enum class TwoSidedTexels {
+    front,
+    lit  ///< the back where the front lies in the dark: light/lit_sides.h
+};
+
 /// How patches are grouped: chunks/room_chunks.h, chunks/spatial_tiles.h.
 enum class ChunkKind { rooms, tiles };
 
@@ -62,6 +68,7 @@ struct BakeOptions {
     double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none
     SkyChoice sky;
     bool blend_colours = false;  ///< light that alpha BLEND lets through takes the base colour (scene/see_through.h)
+    TwoSidedTexels two_sided = TwoSidedTexels::front;
     UnwrapOptions unwrap;
     std::uint32_t patch_texels = 4;      ///< side of a patch in texels, 1 .. 64
     std::uint32_t chunk_patches = 2048;  ///< patches per chunk at most, 16 .. 65536; never derived from memory

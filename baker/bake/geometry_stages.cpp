@@ -1,7 +1,11 @@
 #include "baker/bake/geometry_stages.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "baker/chunks/room_chunks.h"
 #include "baker/core/memory.h"
+#include "baker/light/lit_sides.h"
 #include "baker/patches/patch_build.h"
 #include "baker/patches/patch_set.h"
 #include "baker/patches/see_through_texels.h"
@@ -111,6 +115,27 @@ bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const St
     return reused;
 }
 
+/// Of the scene's surface: less is not worth a warning.
+constexpr double shown_share = 0.005;
+
+/// Turns the surfaces that show the light their backs, or says that there are some.
+void choose_sides(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
+    const DarkFronts dark = find_dark_fronts(g.scene, g.atlas, *g.tracer);
+    double all_m2 = 0;
+    for (std::uint32_t t = 0; t < g.scene.triangle_count(); ++t) all_m2 += g.scene.area_m2(t);
+    report.dark_fronts = {dark.chart_count, dark.area_m2, dark.area_m2 / all_m2, options.two_sided == TwoSidedTexels::lit};
+    if (dark.chart_count == 0) return;
+    if (options.two_sided == TwoSidedTexels::lit) {
+        g.scene.turned.resize(g.scene.triangle_count());
+        for (std::uint32_t t = 0; t < g.scene.turned.size(); ++t) g.scene.turned[t] = dark.charts[g.atlas.triangle_chart[t]];
+    } else if (dark.area_m2 >= shown_share * all_m2) {
+        report.warnings.push_back({"dark-fronts", options.input.filename().string(),
+                                   std::to_string(std::lround(100 * dark.area_m2 / all_m2)) +
+                                       " % of the surface is two-sided with its front, whose light texels hold, in the dark and its back in the "
+                                       "light: viewers will show it black. --two-sided lit bakes the light of these backs"});
+    }
+}
+
 /// What of the surface is not visible or parted: patches keep their ids when something else covers a part of them.
 void add_visible(const TexelSet& texels, KeyBuilder& key) {
     for (std::size_t page = 0; page < texels.pages.size(); ++page) {
@@ -150,6 +175,8 @@ void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& re
     report.patches = g.patches.count();
     report.chunks = g.layout.chunk_count();
     KeyBuilder key("chunks 4");
+    for (std::uint32_t t = 0; t < g.scene.turned.size(); ++t)
+        if (g.scene.turned[t]) key.text("turned").integer(t);
     key.key(atlas_key(g.scene, options.unwrap)).integer(options.patch_texels);
     for (const Patch& patch : g.patches.patches) key.integer(static_cast<std::int64_t>(patch.id));
     add_visible(g.texels, key);
@@ -184,8 +211,13 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
         report.texels = g->texels.texel_count();
         return false;
     });
+    g->tracer = std::make_unique<Tracer>(g->scene);
+    if (std::ranges::any_of(g->scene.objects, [](const Object& object) { return object.double_sided && object.has_lightmap; }))
+        clock.stage("sides", [&] {
+            choose_sides(options, *g, report);
+            return false;
+        });
     clock.stage("visible", [&] {
-        g->tracer = std::make_unique<Tracer>(g->scene);
         find_visible_area(g->scene, g->atlas, *g->tracer, reach_behind_walls_m(options, g->atlas), g->texels);
         thin_see_through(g->scene, g->atlas, g->texels);
         find_texel_joints(g->scene, g->atlas, *g->tracer, g->texels);

@@ -55,11 +55,19 @@ struct UnlitReport {
     double cut_share = 0;  ///< of all channels, what is brighter than white
 };
 
+/// Two-sided surfaces whose front lies in the dark while their back does not (light/lit_sides.h).
+struct DarkFrontReport {
+    std::uint64_t charts = 0;
+    double area_m2 = 0, area_share = 0;  ///< the latter of the whole scene
+    bool turned = false;                 ///< their texels hold the light of the back
+};
+
 struct BakeReport {
     std::vector<std::pair<std::string, std::string>> settings;  ///< name, value as text
 
     std::uint64_t triangles = 0, charts = 0, pages = 0, texels = 0, patches = 0, chunks = 0, blocks = 0, pairs = 0;
     double texels_per_metre = 0;
+    DarkFrontReport dark_fronts;
     std::string store;              ///< all, hot or none
     std::uint64_t store_bytes = 0;  ///< of the matrix on disk
     std::uint64_t rays_traced = 0;  ///< by this run, for evidence, blocks and accuracy: as often as they were traced

@@ -156,8 +156,7 @@ class SeamFinder {
     }
 
     [[nodiscard]] Vec3d shading_normal_at(EdgeCode code, double t) const {
-        const auto& corners = scene_.triangles[triangle_of(code)];
-        const auto normal = [&](int k) { return to_double(scene_.normals[corners[static_cast<std::size_t>(k)]]); };
+        const auto normal = [&](int k) { return to_double(scene_.corner_normal(triangle_of(code), static_cast<std::size_t>(k))); };
         return (normal(corner_of(code)) * (1 - t) + normal(after(corner_of(code))) * t).normalized();
     }
     [[nodiscard]] bool is_smooth(EdgeCode a, double at_a, EdgeCode b, double at_b) const {

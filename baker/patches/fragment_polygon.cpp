@@ -117,9 +117,8 @@ Vec2f FragmentPolygon::point(float s, float t) const {
 }
 
 Vec3f shading_normal(const Scene& scene, std::uint32_t triangle, const Vec2f& b) {
-    const auto& corners = scene.triangles[triangle];
-    const Vec3f normal =
-        scene.normals[corners[0]] * (1 - b.x - b.y) + scene.normals[corners[1]] * b.x + scene.normals[corners[2]] * b.y;
+    const Vec3f normal = scene.corner_normal(triangle, 0) * (1 - b.x - b.y) + scene.corner_normal(triangle, 1) * b.x +
+                         scene.corner_normal(triangle, 2) * b.y;
     const Vec3f geometric = scene.geometric_normal(triangle);
     const float length = normal.length();
     if (!(length > 1e-6f) || normal.dot(geometric) <= 0) return geometric;

@@ -78,8 +78,8 @@ bool continues(const Scene& scene, const Atlas& atlas, const TexelBox& box, cons
         return false;
     if (deviation_m(flat, other) > 0.25f * offset_distance(flat.normal, scene.corner_extent(flat.triangle))) return false;
     for (const std::uint32_t t : {flat.triangle, triangle})
-        for (const std::uint32_t vertex : scene.triangles[t])
-            if (scene.normals[vertex].dot(flat.normal) < flat_cosine) return false;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (scene.corner_normal(t, k).dot(flat.normal) < flat_cosine) return false;
     return true;
 }
 

@@ -1,5 +1,5 @@
 /// The scene as every later stage sees it: clean triangles in world metres, materials, decoded textures, lamps.
-/// Built once, then const. No stage writes to it. Units: core/units.h.
+/// Built once, then const but for `turned`, which is set before any stage asks for sides. Units: core/units.h.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -121,6 +121,10 @@ struct Scene {
     SkyMap sky;
     std::vector<bool> object_has_uv1;  ///< per object: did the file give TEXCOORD_1?
 
+    /// Per triangle: what the file calls its back is the front of every later stage, which has the texels (light/lit_sides.h).
+    /// Empty: of none.
+    std::vector<bool> turned;
+
     /// Of triangles, objects (paths, contents), sidedness, and of what lets light through how much of which colour: what rays
     /// can meet.
     Key geometry_key;
@@ -135,10 +139,17 @@ struct Scene {
     /// Does light pass a triangle, in part or altogether?
     [[nodiscard]] bool is_see_through(std::uint32_t triangle) const { return !object_of(triangle).casts || material_of(triangle).is_see_through(); }
     [[nodiscard]] const Material& material_of(std::uint32_t triangle) const { return materials[object_of(triangle).material]; }
-    /// Cross product of two edges: twice the area times the geometric normal. Never zero: such triangles are dropped.
+    [[nodiscard]] bool is_turned(std::uint32_t triangle) const { return !turned.empty() && turned[triangle]; }
+    /// Cross product of two edges: twice the area times the geometric normal of the front. Never zero: such triangles are dropped.
     [[nodiscard]] Vec3d area_vector(std::uint32_t triangle) const {
         const Vec3d a = to_double(corner(triangle, 0));
-        return (to_double(corner(triangle, 1)) - a).cross(to_double(corner(triangle, 2)) - a);
+        const Vec3d area = (to_double(corner(triangle, 1)) - a).cross(to_double(corner(triangle, 2)) - a);
+        return is_turned(triangle) ? -area : area;
+    }
+    /// Shading normal of a corner, on the front.
+    [[nodiscard]] Vec3f corner_normal(std::uint32_t triangle, std::size_t k) const {
+        const Vec3f& normal = normals[triangles[triangle][k]];
+        return is_turned(triangle) ? -normal : normal;
     }
     [[nodiscard]] double area_m2(std::uint32_t triangle) const { return 0.5 * area_vector(triangle).length(); }
     [[nodiscard]] Vec3f geometric_normal(std::uint32_t triangle) const {

@@ -233,9 +233,9 @@ TraceHit Tracer::first_hit(const TraceRay& ray, SeeThroughQuery* see_through) co
             step *= 2;
             continue;
         }
-        const bool front = query.hit.Ng_x * ray.direction.x + query.hit.Ng_y * ray.direction.y +
-                               query.hit.Ng_z * ray.direction.z < 0;
-        return finish(ray, triangle, query.hit.u, query.hit.v, query.ray.tfar, front, see_through, 0);
+        const bool outside = query.hit.Ng_x * ray.direction.x + query.hit.Ng_y * ray.direction.y +
+                                 query.hit.Ng_z * ray.direction.z < 0;
+        return finish(ray, triangle, query.hit.u, query.hit.v, query.ray.tfar, outside != state_->scene.is_turned(triangle), see_through, 0);
     }
 }
 
@@ -256,9 +256,9 @@ void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<Tra
         RTCRayHit8 query;
         fill_packet(rays, first, count, valid, query);
         embree_intersect8(valid, state_->tree, query, coherence == RayCoherence::together);
-        std::array<bool, 8> front;
+        std::array<bool, 8> outside;
         for (std::size_t k = 0; k < 8; ++k)
-            front[k] = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
+            outside[k] = query.hit.Ng_x[k] * query.ray.dir_x[k] + query.hit.Ng_y[k] * query.ray.dir_y[k] +
                            query.hit.Ng_z[k] * query.ray.dir_z[k] < 0;
         for (std::size_t k = 0; k < count; ++k) {
             TraceHit& hit = hits[done + k];
@@ -267,12 +267,13 @@ void Tracer::first_hits(const RayColumns& rays, std::size_t begin, std::span<Tra
                 continue;
             }
             const std::uint32_t triangle = state_->triangle(query.hit.geomID[k], query.hit.primID[k]);
+            const bool front = outside[k] != state_->scene.is_turned(triangle);
             if (triangle == rays.from_triangle[first + k]) {
                 hit = first_hit(rays.at(first + k));
             } else if (state_->coincident.empty()) {
-                hit = {triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k]};
+                hit = {triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front};
             } else {
-                hit = finish(rays.at(first + k), triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front[k],
+                hit = finish(rays.at(first + k), triangle, query.hit.u[k], query.hit.v[k], query.ray.tfar[k], front,
                              nullptr, k);
             }
         }
@@ -302,7 +303,8 @@ void Tracer::first_hits_through(const RayColumns& rays, std::size_t begin, std::
                 }
                 const Vec3f normal(query.hit.Ng_x[k], query.hit.Ng_y[k], query.hit.Ng_z[k]);
                 reach = query.ray.tfar[k];
-                hit = finish(ray, triangle, query.hit.u[k], query.hit.v[k], reach, normal.dot(ray.direction) < 0, &see_through, k);
+                hit = finish(ray, triangle, query.hit.u[k], query.hit.v[k], reach,
+                             (normal.dot(ray.direction) < 0) != state_->scene.is_turned(triangle), &see_through, k);
             }
             hit.tint = see_through.passed(k, reach);
         }

@@ -94,7 +94,7 @@ class Help(Case):
     # A value that differs from the default, for every option of `luxel bake`.
     VALUES = {"--output": None, "--help": None, "--quality": "draft", "--rays": "100", "--error": "0.5", "--importance": "off",
               "--estimator": "ray", "--hemicube-resolution": "32", "--gather": "on", "--scene": "furnace", "--skip-skinned": "", "--allow-outside": "", "--gather-rays": "8", "--max-rays": "16",
-              "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--instances": "split", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
+              "--tolerance": "0.01", "--solver": "cg", "--patch-texels": "3", "--instances": "split", "--two-sided": "lit", "--interpolation": "catmull-rom", "--texels-per-metre": "3",
               "--atlas-size": "100", "--padding": "1", "--uv": "keep", "--encoding": "linear8", "--lightmap-format": "png8", "--dither": "off", "--profile": "hubs", "--unlit": "", "--unlit-exposure": "0.5", "--seams": "keep", "--aov": "albedo,valid", "--memory": "1G",
               "--share": "3", "--blend-colour": "on", "--bad-values": "refuse", "--threads": "1", "--chunks": "tiles", "--chunk-patches": "64", "--seed": "5", "--work": "{folder}/work",
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
@@ -149,7 +149,7 @@ class Help(Case):
             report = json.load(file)
         self.assertEqual(report["schema"], 1)
         for part, members in {
-                "seams": "joined stretches length_m points left_out texels jump_before jump_after",
+                "dark_fronts": "charts area_m2 area_share turned", "seams": "joined stretches length_m points left_out texels jump_before jump_after",
                 "counts": "triangles charts pages texels patches chunks blocks pairs", "store": "kind bytes bytes_per_pair",
                 "evidence": "rays rays_traced rays_per_second rounds", "solve": "solver reads error_bound history path path_why checkpoint_resumed",
                 "previews": "written seconds", "energy": "emitted absorbed lost", "memory": "budget_bytes peak_bytes"}.items():

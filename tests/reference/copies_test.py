@@ -26,10 +26,10 @@ WEDGE = [[(0, 0, 0), (0, 0, 1), (1, 0, 1), (1, 0, 0)], [(0, 0, 0), (0, 1.5, 0), 
          [(0, 1.5, 0), (1, 0, 0), (1, 0, 1)], [(0, 1.5, 0), (1, 0, 1), (0, 0, 1)]]
 
 
-def outward(face):
-    """Wound so that its front looks away from the wedge's middle."""
-    middle = [sum(p[k] for p in face) / len(face) - (0.3, 0.4, 0.4)[k] for k in range(3)]
-    return facing(face, middle)
+def outward(face, sign=1):
+    """Wound so that its front looks away from the wedge's middle; with sign -1 towards it."""
+    way = [sign * (sum(p[k] for p in face) / len(face) - (0.3, 0.4, 0.4)[k]) for k in range(3)]
+    return facing(face, way)
 
 
 def placements():

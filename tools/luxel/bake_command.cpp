@@ -38,7 +38,7 @@ constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", vertex_colours = "on", settings;
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", two_sided = "front", vertex_colours = "on", settings;
     std::string sky, sky_color, draco_bits, split = "none";
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
@@ -137,6 +137,7 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.unwrap.padding = a.padding;
     o.unwrap.uv_mode = a.uv == "keep" ? UvMode::keep : UvMode::unwrap;
     o.unwrap.instances = a.instances == "split" ? InstanceMode::split : InstanceMode::share;
+    o.two_sided = a.two_sided == "lit" ? TwoSidedTexels::lit : TwoSidedTexels::front;
     o.patch_texels = a.patch_texels;
     o.chunk_patches = a.chunk_patches;
     o.chunks = a.chunks == "tiles" ? ChunkKind::tiles : ChunkKind::rooms;
@@ -195,6 +196,7 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"padding", std::to_string(o.unwrap.padding)},
             {"uv", a.uv},
             {"instances", a.instances},
+            {"two-sided", a.two_sided},
             {"scene", a.scene.empty() ? "default" : a.scene},
             {"allow-outside", a.allow_outside ? "on" : "off"},
             {"skip-skinned", a.skip_skinned ? "on" : "off"},
@@ -354,6 +356,8 @@ void add_options(CLI::App& command, Arguments& a) {
         ->check(CLI::IsMember({"unwrap", "keep"}))->capture_default_str()->group("Lightmap");
     command.add_option("--instances", a.instances, "of one mesh: keep one copy of its geometry, each in its own place by KHR_texture_transform, or split them")
         ->check(CLI::IsMember({"share", "split"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--two-sided", a.two_sided, "texels of two-sided surfaces hold the light of their front, or of their back where the front lies in the dark")
+        ->check(CLI::IsMember({"front", "lit"}))->capture_default_str()->group("Lightmap");
     command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
         ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
     add_model_options(command, a.model);

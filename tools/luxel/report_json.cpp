@@ -51,6 +51,7 @@ std::string report_json(const BakeReport& r) {
         out["gathering"] = {{"rays_per_texel", r.gathering->rays_per_texel},
                             {"median_error", r.gathering->median_error},
                             {"p95_error", r.gathering->p95_error}};
+    out["dark_fronts"] = {{"charts", r.dark_fronts.charts}, {"area_m2", r.dark_fronts.area_m2}, {"area_share", r.dark_fronts.area_share}, {"turned", r.dark_fronts.turned}};
     out["seams"] = {{"joined", r.seams.joined},
                     {"stretches", r.seams.seams},
                     {"length_m", r.seams.length_m},

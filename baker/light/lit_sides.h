@@ -1,0 +1,29 @@
+/// Which two-sided surfaces show the light their wrong side: fronts in the dark, backs in the light.
+///
+/// Exporters set doubleSided and then leave it to chance how triangles are wound: panels that face into the wall behind them, rooms
+/// whose walls face outwards. A texel holds the light of one side (design: of the front), and viewers show it on both, so such
+/// surfaces come out black. A few paths of light from each side tell.
+#pragma once
+#include <vector>
+
+#include "baker/trace/tracer.h"
+#include "baker/unwrap/atlas.h"
+
+namespace luxel {
+
+struct DarkFronts {
+    std::vector<bool> charts;       ///< per chart of the atlas: its front is dark and its back is not
+    double area_m2 = 0;             ///< of these charts
+    std::uint32_t chart_count = 0;  ///< how many they are
+};
+
+/// A front is dark if less than a hundredth of the light of the back falls on it, in the mean over the chart, with all bounces; less than a
+/// twentieth where it sees into a crack, a tenth as deep as what the back sees. Nor is it dark unless it is so beside what surfaces usually get (the
+/// median by area of brighter sides): the front of a lamp's shade is not.
+/// One-sided surfaces have no other side, and what has no lightmap shows none.
+/// A pure function of scene and atlas. Threads: uses them all. Errors: none.
+/// Source: unidirectional path tracing with next event estimation (Kajiya 1986), few paths: a light that is missed by all of them can
+/// only leave a front as it is, because the back must be bright for certain.
+DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer& tracer);
+
+}  // namespace luxel
