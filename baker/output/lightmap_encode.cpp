@@ -4,21 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "baker/output/fifth_root.h"
 #include "baker/output/ordered_dither.h"
 
 namespace luxel {
 namespace {
-
-/// y with y^5 = x for x in (0, 1.1], by Newton's method from above: monotone, so it stops by itself.
-constexpr double fifth_root(double x) {
-    double y = 1.1;
-    for (;;) {
-        const double square = y * y;
-        const double next = (4.0 * y + x / (square * square)) / 5.0;
-        if (!(next < y)) return y;
-        y = next;
-    }
-}
 
 constexpr double srgb_to_linear(double c) {
     if (c <= 0.04045) return c / 12.92;

@@ -9,7 +9,7 @@
 
 namespace luxel {
 
-enum class LightmapFormat { png8, png16, rgbm, rgbe, exr, ktx2 };
+enum class LightmapFormat { png8, png16, rgbm, rgbm_mx, rgbe, exr, ktx2 };
 
 struct LightmapFormatInfo {
     LightmapFormat format;
@@ -21,10 +21,11 @@ struct LightmapFormatInfo {
     std::uint64_t bytes_per_texel;  ///< of the file, at most
 };
 
-constexpr std::array<LightmapFormatInfo, 6> all_lightmap_formats{{
+constexpr std::array<LightmapFormatInfo, 7> all_lightmap_formats{{
     {LightmapFormat::png8, "png8", nullptr, ".png", "image/png", nullptr, 3},
     {LightmapFormat::png16, "png16", "linear16", ".png", "image/png", nullptr, 6},
     {LightmapFormat::rgbm, "rgbm", "rgbm8", ".png", "image/png", nullptr, 4},
+    {LightmapFormat::rgbm_mx, "rgbm-mx", "rgbm8-mx", ".png", "image/png", nullptr, 4},
     {LightmapFormat::rgbe, "rgbe", "rgbe8", ".hdr", "image/vnd.radiance", "MOZ_texture_rgbe", 4},
     {LightmapFormat::exr, "exr", "half", ".half.exr", "image/x-exr", "EXT_texture_exr", 6},
     {LightmapFormat::ktx2, "ktx2", "half", ".ktx2", "image/ktx2", "KHR_texture_basisu", 8},

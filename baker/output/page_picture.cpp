@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "baker/core/parallel.h"
@@ -20,6 +21,12 @@ float half_value(std::uint16_t bits) {
     value.setBits(bits);
     return value;
 }
+/// The shortest text that is this number: "8", "34.49".
+std::string number_text(double value) {
+    std::array<char, 32> text{};
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 std::uint16_t half_bits(float value) { return Imath::half(value).bits(); }
 
 class Encoder {
@@ -42,7 +49,9 @@ class Encoder {
             case LightmapFormat::png16:
                 return png16();
             case LightmapFormat::rgbm:
-                return rgbm();
+                return rgbm(rgbm_range, rgbm_of, rgbm_shares);
+            case LightmapFormat::rgbm_mx:
+                return rgbm(rgbm_mx_range, rgbm_mx_of, rgbm_mx_shares);
             case LightmapFormat::rgbe:
                 return rgbe();
             case LightmapFormat::exr:
@@ -96,7 +105,7 @@ class Encoder {
     [[nodiscard]] ImageMetadata metadata(double intensity, double range = 0) const {
         ImageMetadata metadata{"irradiance", "lux", encoding_of(options_.format, options_.encoding), intensity, options_.software, {}};
         metadata.more.emplace_back("format", lightmap_format_info(options_.format).name);
-        if (range > 0) metadata.more.emplace_back("range", std::to_string(std::lround(range)));
+        if (range > 0) metadata.more.emplace_back("range", number_text(range));
         return metadata;
     }
 
@@ -137,11 +146,11 @@ class Encoder {
         return {bytes[4 * texel], bytes[4 * texel + 1], bytes[4 * texel + 2], bytes[4 * texel + 3]};
     }
 
-    PagePicture rgbm() {
-        const double intensity = largest_ / rgbm_range;
-        const auto bytes = four_bytes(rgbm_of({}), [&](std::size_t texel) { return rgbm_of(scaled(texel, largest_)); });
-        const PictureError error = error_of(largest_, [&](std::size_t texel) { return rgbm_shares(at(bytes, texel)); });
-        return {encode_png_rgba(width_, height_, bytes, metadata(intensity, rgbm_range)), intensity, rgbm_range, error};
+    PagePicture rgbm(double range, TexelBytes (*code_of)(const TexelValues&), TexelValues (*shares_of)(const TexelBytes&)) {
+        const double intensity = largest_ / range;
+        const auto bytes = four_bytes(code_of({}), [&](std::size_t texel) { return code_of(scaled(texel, largest_)); });
+        const PictureError error = error_of(largest_, [&](std::size_t texel) { return shares_of(at(bytes, texel)); });
+        return {encode_png_rgba(width_, height_, bytes, metadata(intensity, range)), intensity, range, error};
     }
 
     PagePicture rgbe() {

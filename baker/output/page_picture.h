@@ -4,10 +4,11 @@
 ///   png8   lightmap_encode.h, dithered or not
 ///   png16  decode = sample / 65535; errs by at most intensity / 131070
 ///   rgbm   decode = rgb / 255 * m / 255 * range, linear, range 8 (texel_codes.h)
+///   rgbm-mx  decode = rgb / 255 * (m / 255)^2.2 * range, range 34.49 (texel_codes.h)
 ///   rgbe   decode = mantissa * 2^(exponent - 136); errs by at most 1/256 of a texel's largest channel
 ///   exr    half floats; errs by at most 2^-11 of each channel, or intensity * 2^-25 where that is more
 ///   ktx2   the same halves
-/// For the first three the largest channel of the page is the largest code; for the others `intensity` is a power of two, 1 where
+/// For the first four the largest channel of the page is the largest code; for the others `intensity` is a power of two, 1 where
 /// halves hold every value as it is. Texels without value are black.
 ///
 /// Errors   as encode_lightmap; Error{cannot_write} where a library cannot encode.
@@ -35,7 +36,7 @@ struct PagePictureOptions {
 struct PagePicture {
     Bytes file;
     double intensity = 1;
-    double range = 0;  ///< of rgbm, else 0
+    double range = 0;  ///< of rgbm and rgbm-mx, else 0
     PictureError error;  ///< against the float page as its file holds it (lightmap_exr)
 };
 

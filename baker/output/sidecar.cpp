@@ -52,7 +52,7 @@ Bytes sidecar_text(const Sidecar& sidecar) {
                      {"unit", page.unit}};
         for (const auto& [key, picture] : {std::pair{"exr", &page.exr}, std::pair{"picture", &page.picture}})
             if (!picture->file.empty() || !picture->name.empty()) json[key] = picture_json(*picture);
-        const bool is_png = page.picture.format == "png8" || page.picture.format == "png16" || page.picture.format == "rgbm";
+        const bool is_png = page.picture.format == "png8" || page.picture.format == "png16" || page.picture.format.starts_with("rgbm");
         if (is_png && json.contains("picture")) json["png"] = json["picture"];
         if (!page.layer_file.empty()) json["layers"] = layers_json(page);
         pages.push_back(std::move(json));

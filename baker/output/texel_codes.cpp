@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/output/fifth_root.h"
 #include "formats/image/image_file.h"
 
 namespace luxel {
@@ -14,11 +15,33 @@ double largest_of(const TexelValues& values) { return std::max({values[0], value
 
 std::uint8_t rounded(double value) { return static_cast<std::uint8_t>(std::min(255.0, std::floor(value + 0.5))); }
 
-double largest_error(const TexelValues& shares, const TexelBytes& bytes) {
-    const TexelValues decoded = rgbm_shares(bytes);
-    double error = 0;
-    for (std::size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(decoded[c] - shares[c]));
-    return error;
+/// x^2.2 of every m: x = m / 255.
+constexpr std::array<double, 256> make_powers() {
+    std::array<double, 256> powers{};
+    for (std::size_t m = 0; m < powers.size(); ++m) {
+        const double x = static_cast<double>(m) / 255.0;
+        powers[m] = x * x * fifth_root(x);
+    }
+    return powers;
+}
+constexpr std::array<double, 256> powers = make_powers();
+
+/// The bytes of the multiplier among `lowest` to `highest` that errs least in the channel where it errs most; the largest of equals.
+/// code(share, m) is the byte before it is rounded.
+template <class Code>
+TexelBytes best_bytes(const TexelValues& shares, int lowest, int highest, const Code& code, TexelValues (*decode)(const TexelBytes&)) {
+    TexelBytes best{};
+    double least = 2;
+    for (int m = lowest; m <= highest; ++m) {
+        TexelBytes bytes{};
+        for (std::size_t c = 0; c < 3; ++c) bytes[c] = rounded(code(std::max(shares[c], 0.0), m));
+        bytes[3] = static_cast<std::uint8_t>(m);
+        const TexelValues decoded = decode(bytes);
+        double error = 0;
+        for (std::size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(decoded[c] - shares[c]));
+        if (error <= least) least = error, best = bytes;
+    }
+    return best;
 }
 
 }  // namespace
@@ -49,21 +72,26 @@ TexelBytes rgbm_of(const TexelValues& shares) {
     if (!(largest > 0)) return {0, 0, 0, 255};
     const int lowest = std::max(1, static_cast<int>(std::ceil(255 * largest)));
     const int highest = std::min(255, lowest + lowest / 16);
-    TexelBytes best{};
-    double least = 2;
-    for (int m = lowest; m <= highest; ++m) {
-        TexelBytes bytes{};
-        for (std::size_t c = 0; c < 3; ++c) bytes[c] = rounded(std::max(shares[c], 0.0) * 65025 / m);
-        bytes[3] = static_cast<std::uint8_t>(m);
-        const double error = largest_error(shares, bytes);
-        if (error <= least) least = error, best = bytes;
-    }
-    return best;
+    return best_bytes(shares, lowest, highest, [](double share, int m) { return share * 65025 / m; }, rgbm_shares);
 }
 
 TexelValues rgbm_shares(const TexelBytes& bytes) {
     TexelValues shares{};
     for (std::size_t c = 0; c < 3; ++c) shares[c] = static_cast<double>(bytes[c] * bytes[3]) / 65025;
+    return shares;
+}
+
+TexelBytes rgbm_mx_of(const TexelValues& shares) {
+    const double largest = std::min(largest_of(shares), 1.0);
+    if (!(largest > 0)) return {};
+    const int lowest = static_cast<int>(std::lower_bound(powers.begin() + 1, powers.end() - 1, largest) - powers.begin());
+    const int highest = std::min(255, lowest + lowest / 28);
+    return best_bytes(shares, lowest, highest, [](double share, int m) { return share / powers[static_cast<std::size_t>(m)] * 255; }, rgbm_mx_shares);
+}
+
+TexelValues rgbm_mx_shares(const TexelBytes& bytes) {
+    TexelValues shares{};
+    for (std::size_t c = 0; c < 3; ++c) shares[c] = static_cast<double>(bytes[c]) / 255 * powers[bytes[3]];
     return shares;
 }
 

@@ -53,6 +53,7 @@ double decode(const std::array<double, 4>& sample, std::size_t channel, const js
     const std::string encoding = extras["encoding"];
     if (encoding == "srgb8") return srgb_to_linear(sample[channel]);
     if (encoding == "rgbm8") return sample[channel] * sample[3] * extras["range"].get<double>();
+    if (encoding == "rgbm8-mx") return sample[channel] * std::pow(sample[3], 2.2) * extras["range"].get<double>();
     return sample[channel];
 }
 
@@ -61,6 +62,7 @@ double bound(const std::string& encoding, double value, double texel, double pag
     if (encoding == "linear8") return page / 255;
     if (encoding == "linear16") return page / 131070;
     if (encoding == "rgbm8") return (255 * texel + page) / 130050;
+    if (encoding == "rgbm8-mx") return page * std::pow(std::pow(texel / page, 1 / 2.2) + 1 / 255.0, 2.2) / 510;
     return encoding == "rgbe8" ? texel / 256 : value / 2048;
 }
 

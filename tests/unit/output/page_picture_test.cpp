@@ -73,6 +73,7 @@ std::vector<TexelValues> read_back(const PagePicture& picture, const PagePicture
         for (std::size_t c = 0; c < 3; ++c) {
             const auto sample = static_cast<double>(image.pixels[k][c]);
             if (options.format == LightmapFormat::rgbm) out[k][c] = sample * static_cast<double>(image.pixels[k][3]) * picture.range;
+            else if (options.format == LightmapFormat::rgbm_mx) out[k][c] = sample * std::pow(static_cast<double>(image.pixels[k][3]), 2.2) * picture.range;
             else if (options.format == LightmapFormat::png8 && options.encoding == LightmapEncoding::srgb8) out[k][c] = srgb_to_linear(sample);
             else out[k][c] = sample;
         }
@@ -89,6 +90,8 @@ double bound_of(const PagePictureOptions& options, const PagePicture& picture, c
             return largest / 131070;
         case LightmapFormat::rgbm:
             return (255 * brightest + largest) / 130050;
+        case LightmapFormat::rgbm_mx:
+            return largest * std::pow(std::pow(brightest / largest, 1 / 2.2) + 1 / 255.0, 2.2) / 510;
         case LightmapFormat::rgbe:
             return brightest / 256;
         case LightmapFormat::exr:

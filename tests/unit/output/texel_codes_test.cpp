@@ -79,6 +79,51 @@ TEST(TexelCodes, RgbmTakesTheBestMNearTheSmallest) {
     EXPECT_GT(better, choices / 2) << "the choice matters where there is one";
 }
 
+TEST(TexelCodes, RgbmOfMxIsWhatItsReadersDecode) {
+    for (int m = 0; m < 256; ++m) {
+        const double power = std::pow(m / 255.0, 2.2);
+        EXPECT_NEAR(rgbm_mx_shares({255, 51, 0, static_cast<std::uint8_t>(m)})[0], power, 1e-15) << m;
+        EXPECT_NEAR(rgbm_mx_shares({255, 51, 0, static_cast<std::uint8_t>(m)})[1], power / 5, 1e-15) << m;
+    }
+    EXPECT_EQ(rgbm_mx_of({1, 1, 1}), (TexelBytes{255, 255, 255, 255}));
+    EXPECT_EQ(rgbm_mx_of({0, 0, 0}), (TexelBytes{0, 0, 0, 0})) << "no neighbour of a dark texel may shine";
+}
+
+TEST(TexelCodes, RgbmOfMxStaysWithinItsBoundOverSixDecades) {
+    double worst = 0;
+    for (const TexelValues& shares : colours(6)) {
+        const TexelBytes bytes = rgbm_mx_of(shares);
+        const TexelValues decoded = rgbm_mx_shares(bytes);
+        const double bound = std::pow(std::pow(largest_of(shares), 1 / 2.2) + 1 / 255.0, 2.2) / 510;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double error = std::abs(decoded[c] - shares[c]);
+            ASSERT_LE(error, bound + 1e-15) << shares[c];
+            worst = std::max(worst, error / bound);
+        }
+    }
+    EXPECT_GT(worst, 0.9) << "the bound is reached";
+}
+
+TEST(TexelCodes, RgbmOfMxTakesTheBestMNearTheSmallest) {
+    for (const TexelValues& shares : colours(2, 2000)) {
+        if (largest_of(shares) == 0) continue;
+        const auto error_of = [&](const TexelBytes& bytes) {
+            double error = 0;
+            for (std::size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(rgbm_mx_shares(bytes)[c] - shares[c]));
+            return error;
+        };
+        const TexelBytes found = rgbm_mx_of(shares);
+        const int smallest = std::min(255, static_cast<int>(std::ceil(255 * std::pow(largest_of(shares), 1 / 2.2) - 1e-9)));
+        ASSERT_GE(found[3], smallest);
+        ASSERT_LE(found[3], smallest + smallest / 28);
+        for (int m = smallest; m <= std::min(255, smallest + smallest / 28); ++m) {
+            TexelBytes other{0, 0, 0, static_cast<std::uint8_t>(m)};
+            for (std::size_t c = 0; c < 3; ++c) other[c] = static_cast<std::uint8_t>(std::min(255.0, std::round(255 * shares[c] / std::pow(m / 255.0, 2.2))));
+            ASSERT_LE(error_of(found), error_of(other) + 1e-15);
+        }
+    }
+}
+
 TEST(TexelCodes, HalvesAreScaledOnlyWhereTheyMustBe) {
     EXPECT_EQ(half_intensity(std::vector<float>{0, 1, 60000}), 1);
     EXPECT_EQ(half_intensity(std::vector<float>{0, 0}), 1);
