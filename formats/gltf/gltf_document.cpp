@@ -84,7 +84,7 @@ bool is_known_extension(const std::string& name) {
     static const std::set<std::string> known{
         "KHR_mesh_quantization", "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression",
         "KHR_texture_transform", "KHR_lights_punctual", "EXT_lights_image_based", "EXT_mesh_gpu_instancing", "KHR_texture_basisu",
-        "EXT_texture_webp", "MOZ_lightmap", "KHR_xmp_json_ld", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
+        "EXT_texture_webp", "MOZ_lightmap", "MX_lightmap", "KHR_xmp_json_ld", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
         "KHR_materials_diffuse_transmission", "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
         "KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_sheen", "KHR_materials_specular",
         "KHR_materials_transmission", "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",

@@ -49,8 +49,9 @@ NodeOwners find_node_owners(const json& root, const GltfSplit& split) {
         const json& node = gltf_item(root, "nodes", static_cast<std::int64_t>(number), "nodes");
         const std::int64_t parent = owners.parent[number];
         moves[number] = moving.contains(number) || node.contains("skin") || (parent >= 0 && moves[static_cast<std::size_t>(parent)]);
-        // Nodes that the writer has added show copies of their parents.
-        const std::size_t of_input = number < split.part_of_node.size() ? number : static_cast<std::size_t>(std::max(parent, std::int64_t{0}));
+        // Nodes that the writer has added show copies or parts of what they hang on.
+        std::size_t of_input = number;
+        while (of_input >= split.part_of_node.size() && owners.parent[of_input] >= 0) of_input = static_cast<std::size_t>(owners.parent[of_input]);
         const bool may_be_apart = node.contains("mesh") && !moves[number] && of_input < split.part_of_node.size();
         owners.owner[number] = may_be_apart ? split.part_of_node[of_input] : common_part;
         owners.order.push_back(number);

@@ -1,6 +1,6 @@
 /// Which file of a split model each node of the scene belongs to. Private to the gltf_out files.
 ///
-/// Rule     what GltfSplit says for nodes with a mesh (for their parents, if the writer has added them, gltf_out_copies.h), except for what moves or hangs on something that moves (targets of
+/// Rule     what GltfSplit says for nodes with a mesh (for their nearest ancestor of the input, if the writer has added them: gltf_out_nodes.h), except for what moves or hangs on something that moves (targets of
 ///          animations, nodes with a skin, joints): that and all others are common.
 /// Threads  pure.
 #pragma once

@@ -8,6 +8,7 @@
 #include "formats/gltf/gltf_out_files.h"
 #include "formats/gltf/gltf_out_mesh.h"
 #include "formats/gltf/gltf_out_meshopt.h"
+#include "formats/gltf/gltf_out_nodes.h"
 #include "formats/gltf/gltf_out_parts.h"
 #include "formats/gltf/gltf_out_prune.h"
 #include "formats/gltf/gltf_out_unlit.h"
@@ -76,40 +77,68 @@ std::map<std::int64_t, NodeInstances> instances_by_mesh(const SceneRecord& recor
     return by_mesh;
 }
 
+/// The new meshes of one mesh of the input. The first takes the mesh's own number, unless somebody still shows the mesh as it was.
+class NewMeshes {
+  public:
+    NewMeshes(OutputModel& model, MeshRewriter& rewriter, const GltfLightmaps& lightmaps, std::int64_t mesh, const MeshRecord& record, bool number_is_free)
+        : model_(model), rewriter_(rewriter), lightmaps_(lightmaps), mesh_(mesh), number_is_free_(number_is_free),
+          sources_(rewriter.read_mesh(mesh, record)) {}
+
+    std::vector<ShownMesh> make(const MeshLayout& layout, const LayoutPlace& place) {
+        const auto known = laid_out_.find(&layout);
+        const LaidOutMesh& laid_out = known != laid_out_.end() ? known->second : laid_out_.emplace(&layout, rewriter_.lay_out(mesh_, sources_, layout)).first->second;
+        const bool on_nodes = lightmaps_.meaning.placement == LightmapPlacement::nodes;
+        if (!on_nodes || laid_out.parts.empty()) return {{add(rewriter_.at_place(laid_out, place))}};
+        std::vector<ShownMesh>& shown = on_pages_[&layout];
+        if (shown.empty())
+            for (const std::uint32_t page : laid_out.pages()) shown.push_back({add(rewriter_.on_page(laid_out, page)), page});
+        return shown;
+    }
+
+  private:
+    std::uint64_t add(json mesh) {
+        if (!number_is_free_) return model_.append("meshes", std::move(mesh));
+        number_is_free_ = false;
+        model_.root["meshes"][static_cast<std::size_t>(mesh_)] = std::move(mesh);
+        return static_cast<std::uint64_t>(mesh_);
+    }
+
+    OutputModel& model_;
+    MeshRewriter& rewriter_;
+    const GltfLightmaps& lightmaps_;
+    std::int64_t mesh_;
+    bool number_is_free_;
+    std::vector<SourcePrimitive> sources_;
+    std::map<const MeshLayout*, LaidOutMesh> laid_out_;
+    std::map<const MeshLayout*, std::vector<ShownMesh>> on_pages_;
+};
+
 /// Gives every node with a layout its mesh; returns what the replaced meshes referred to.
 ArrayReferences rewrite_meshes(OutputModel& model, const SceneRecord& record, const GltfLightmaps& lightmaps,
                                LightmapMaterials& materials) {
     std::map<std::int64_t, std::size_t> users = count_users(model.document);
     ArrayReferences replaced;
     MeshRewriter rewriter(model, materials, lightmaps.pages.size());
+    NodeWriter writer(model, lightmaps, materials.textures());
     for (const auto& [mesh, nodes] : instances_by_mesh(record, lightmaps)) {
         const json& item = gltf_item(model.document.json, "meshes", mesh, model.document.name);
-        const std::vector<SourcePrimitive> sources =
-            rewriter.read_mesh(mesh, record.meshes[static_cast<std::size_t>(mesh)]);
-        warn_of_extensions(model, item, mesh);
         bool number_is_free = users[mesh] == nodes.size();
         for (const auto& [node, instances] : nodes)
             for (const std::size_t index : instances) number_is_free = number_is_free && lightmaps.instances[index].mesh != nullptr;
+        NewMeshes meshes(model, rewriter, lightmaps, mesh, record.meshes[static_cast<std::size_t>(mesh)], number_is_free);
+        warn_of_extensions(model, item, mesh);
         if (number_is_free) collect_references(item, replaced);
-        // The first new mesh takes the mesh's own number, unless somebody still shows the mesh as it was.
-        std::map<const MeshLayout*, LaidOutMesh> laid_out;
-        const MeshMaker make_mesh = [&, mesh = mesh](const MeshLayout& layout, const LayoutPlace& place) {
-            const auto known = laid_out.find(&layout);
-            json copy = rewriter.at_place(known != laid_out.end() ? known->second : laid_out.emplace(&layout, rewriter.lay_out(mesh, sources, layout)).first->second, place);
-            if (!number_is_free) return model.append("meshes", std::move(copy));
-            number_is_free = false;
-            model.root["meshes"][static_cast<std::size_t>(mesh)] = std::move(copy);
-            return static_cast<std::uint64_t>(mesh);
-        };
+        const MeshMaker make_meshes = [&](const MeshLayout& layout, const LayoutPlace& place) { return meshes.make(layout, place); };
         for (const auto& [node, instances] : nodes) {
             if (record.instances[instances[0]].gpu_instance >= 0) {
-                place_copies(model, rewriter.arrays(), node, copies_of(record, lightmaps, instances), make_mesh);
+                place_copies(model, rewriter.arrays(), writer, node, copies_of(record, lightmaps, instances), make_meshes);
                 continue;
             }
             const InstanceLayout& layout = lightmaps.instances[instances[0]];
-            model.root["nodes"][static_cast<std::size_t>(node)]["mesh"] = make_mesh(*layout.mesh, layout.place);
+            writer.show(static_cast<std::uint64_t>(node), make_meshes(*layout.mesh, layout.place), layout.place);
         }
     }
+    writer.finish();
     return replaced;
 }
 

@@ -13,6 +13,10 @@
 ///          the material too: their places are its attributes _LIGHTMAP_OFFSET and _LIGHTMAP_SCALE (VEC2, float), the names
 ///          of MX_lightmap. Where such copies lie on several pages the node keeps those of one, children of it show the others.
 ///          If one of them has no place of its own (the identity), all copies of the node become child nodes without the extension.
+/// Nodes    With LightmapPlacement::nodes the nodes name the lightmap instead, by MX_lightmap { lightMapTexture { index, texCoord: 1 }, scale, offset,
+///          intensity, extras }: meshes are shared by all nodes that show one layout, and materials are those of the input, but where
+///          a texture's UV set moves or an earlier MOZ_lightmap has to go. A mesh on several pages becomes one per page; children of
+///          the node show all but the first.
 /// Changed  Vertices are split where charts are cut: one per distinct (old vertex, lightmap coordinate). A primitive on
 ///          several pages becomes one primitive per page. Strips and fans become triangles. A mesh
 ///          that several nodes show becomes one per node, since every node has materials of its own; equal arrays are
@@ -25,7 +29,7 @@
 /// Errors   Error{cannot_write} (disk full, a folder as output, more than 4 GiB in a GLB): nothing partial is left.
 ///          Error{internal}: the layout does not fit the record. Error{bad_input}: an array cannot be read.
 /// Threads  pure function of its arguments; the same arguments give the same bytes.
-/// Source   glTF 2.0; MOZ_lightmap (draft by T. Takahiro, as the Hubs exporter and importer use it).
+/// Source   glTF 2.0; MOZ_lightmap (draft by T. Takahiro, as the Hubs exporter and importer use it); MX_lightmap (gltf_out_nodes.h).
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -68,11 +72,15 @@ struct LightmapPicture {
     double intensity = 1;  ///< irradiance = decode(sample) * intensity
 };
 
+/// Who names a lightmap: materials by MOZ_lightmap, or nodes by MX_lightmap.
+enum class LightmapPlacement { materials, nodes };
+
 /// The same for all pages.
 struct LightmapMeaning {
     std::string quantity = "irradiance", unit = "lux", encoding = "srgb8", format = "png8", profile = "three";
     double range = 0;  ///< of encodings that have one, else 0
-    /// MOZ_lightmap intensity = LightmapPicture::intensity * this, for lit materials and for those with KHR_materials_unlit.
+    LightmapPlacement placement = LightmapPlacement::materials;
+    /// Written intensity = LightmapPicture::intensity * this, for lit materials and for those with KHR_materials_unlit; nodes take the first.
     double lit_scale = 1, unlit_scale = 1;
     std::string suffix = ".png", mime_type = "image/png";  ///< of the pictures: ".lightmap0" + suffix
     std::string texture_extension;                         ///< that names the picture; empty: glTF knows its kind

@@ -100,12 +100,12 @@ std::vector<CopyColumn> read_columns(OutputModel& model, const json& extension, 
     return columns;
 }
 
-void split_copies(OutputModel& model, int node, const std::vector<NodeCopy>& copies, const json& item, const MeshMaker& make_mesh, const std::string& where) {
+void split_copies(OutputModel& model, NodeWriter& nodes, int node, const std::vector<NodeCopy>& copies, const json& item, const MeshMaker& make_meshes, const std::string& where) {
     const std::vector<CopyColumn> columns = read_columns(model, item["extensions"][instancing], where);
     const std::string name = json_text(item, "name", "", where);
     for (const NodeCopy& copy : copies) {
         json child = {{"name", name + "@" + std::to_string(copy.number)}};
-        child["mesh"] = copy.layout->mesh ? make_mesh(*copy.layout->mesh, copy.layout->place) : item["mesh"].get<std::uint64_t>();
+        child["mesh"] = item["mesh"];
         for (const CopyColumn& column : columns) {
             if (column.numbers.size() < (copy.number + std::size_t{1}) * column.width) continue;
             const auto first = column.numbers.begin() + static_cast<std::ptrdiff_t>(copy.number * column.width);
@@ -113,6 +113,7 @@ void split_copies(OutputModel& model, int node, const std::vector<NodeCopy>& cop
         }
         const std::uint64_t index = model.append("nodes", std::move(child));
         model.root["nodes"][static_cast<std::size_t>(node)]["children"].push_back(index);
+        if (copy.layout->mesh) nodes.show(index, make_meshes(*copy.layout->mesh, copy.layout->place), copy.layout->place);
     }
     json& shown = model.root["nodes"][static_cast<std::size_t>(node)];
     shown.erase("mesh");
@@ -129,11 +130,11 @@ std::vector<NodeCopy> copies_of(const SceneRecord& record, const GltfLightmaps& 
     return copies;
 }
 
-void place_copies(OutputModel& model, ArrayStore& arrays, int node, const std::vector<NodeCopy>& copies, const MeshMaker& make_mesh) {
+void place_copies(OutputModel& model, ArrayStore& arrays, NodeWriter& nodes, int node, const std::vector<NodeCopy>& copies, const MeshMaker& make_meshes) {
     const json& item = gltf_item(model.document.json, "nodes", node, model.document.name);
     const std::string where = model.document.name + ": " + gltf_name(item, "node", node);
     const bool have_places = std::none_of(copies.begin(), copies.end(), [](const NodeCopy& copy) { return copy.layout->mesh && copy.layout->place.is_identity(); });
-    if (!have_places) return split_copies(model, node, copies, item, make_mesh, where);
+    if (!have_places) return split_copies(model, nodes, node, copies, item, make_meshes, where);
     const std::vector<CopyPart> parts = parts_of(copies);
     for (std::size_t p = 0; p < parts.size(); ++p) {
         json shown = p == 0 ? model.root["nodes"][static_cast<std::size_t>(node)] : json::object();
@@ -141,7 +142,8 @@ void place_copies(OutputModel& model, ArrayStore& arrays, int node, const std::v
             shown["name"] = json_text(item, "name", "", where) + " (lightmap part " + std::to_string(p) + ")";
             if (item.contains("weights")) shown["weights"] = item["weights"];
         }
-        shown["mesh"] = parts[p].layout->mesh ? make_mesh(*parts[p].layout->mesh, {}) : item["mesh"].get<std::uint64_t>();
+        shown["mesh"] = item["mesh"];
+        if (parts[p].layout->mesh) nodes.show_copies(shown, make_meshes(*parts[p].layout->mesh, {}).front());
         shown["extensions"][instancing] = part_extension(model, arrays, item["extensions"][instancing], parts[p], parts.size() == 1, where);
         if (p == 0) {
             model.root["nodes"][static_cast<std::size_t>(node)] = std::move(shown);

@@ -1,16 +1,13 @@
 /// Places on the pages for copies by EXT_mesh_gpu_instancing: attributes of the extension. Private to the gltf_out files.
 #pragma once
-#include <functional>
 #include <vector>
 
 #include "formats/gltf/gltf_out.h"
 #include "formats/gltf/gltf_out_arrays.h"
 #include "formats/gltf/gltf_out_model.h"
+#include "formats/gltf/gltf_out_nodes.h"
 
 namespace luxel {
-
-/// Makes a mesh with this layout, its materials for this place; returns its index.
-using MeshMaker = std::function<std::uint64_t(const MeshLayout&, const LayoutPlace&)>;
 
 /// One copy of a node.
 struct NodeCopy {
@@ -25,6 +22,6 @@ std::vector<NodeCopy> copies_of(const SceneRecord& record, const GltfLightmaps& 
 /// the node gets a child with that part of the copies. Copies without a layout keep the mesh of the input.
 /// Else the copies become ordinary nodes, children of this one, which loses its mesh and the extension; a warning names attributes
 /// of the extension that are lost by that.
-void place_copies(OutputModel& model, ArrayStore& arrays, int node, const std::vector<NodeCopy>& copies, const MeshMaker& make_mesh);
+void place_copies(OutputModel& model, ArrayStore& arrays, NodeWriter& nodes, int node, const std::vector<NodeCopy>& copies, const MeshMaker& make_meshes);
 
 }  // namespace luxel

@@ -1,5 +1,6 @@
 #include "formats/gltf/gltf_out_material.h"
 
+#include "formats/gltf/gltf_out_nodes.h"
 #include "formats/gltf/gltf_out_unlit.h"
 
 namespace luxel {
@@ -91,13 +92,10 @@ json LightmapMaterials::make_lit(std::int64_t material, std::uint32_t page, cons
     const LightmapMeaning& meaning = lightmaps_.meaning;
     const bool is_unlit = copy.contains("extensions") && copy["extensions"].contains("KHR_materials_unlit");
     const double scale = is_unlit ? meaning.unlit_scale : meaning.lit_scale;
-    json extras = {{"quantity", meaning.quantity}, {"unit", meaning.unit},       {"encoding", meaning.encoding},
-                   {"format", meaning.format},     {"profile", meaning.profile}, {"irradianceFactor", 1 / scale}};
-    if (meaning.range > 0) extras["range"] = meaning.range;
     copy["extensions"][lightmap_extension] = {{"index", textures_[page]},
                                               {"texCoord", 1},
                                               {"intensity", lightmaps_.pages[page].intensity * scale},
-                                              {"extras", std::move(extras)}};
+                                              {"extras", lightmap_extras(meaning, scale)}};
     set_place(copy["extensions"][lightmap_extension], place);
     use_extension(model_.root, lightmap_extension);
     return copy;
@@ -110,6 +108,16 @@ std::uint64_t LightmapMaterials::clone(std::int64_t material, std::uint32_t page
         model_.append("materials", lightmaps_.is_unlit ? make_unlit(material, page, place) : make_lit(material, page, place, moved_uv_set));
     clones_.emplace(key, index);
     return index;
+}
+
+std::int64_t LightmapMaterials::without_lightmap(std::int64_t material, std::uint64_t moved_uv_set) {
+    const auto [known, is_new] = plain_clones_.emplace(std::pair(material, moved_uv_set), material);
+    if (!is_new || material < 0) return known->second;
+    json copy = source(material);
+    if (moved_uv_set) change_uv_set(copy, 1, moved_uv_set);
+    erase_extension(copy, lightmap_extension);
+    if (copy != source(material)) known->second = static_cast<std::int64_t>(model_.append("materials", std::move(copy)));
+    return known->second;
 }
 
 }  // namespace luxel

@@ -30,6 +30,13 @@ class LightmapMaterials {
     /// went, 0 if it did not. The same arguments give the same clone.
     std::uint64_t clone(std::int64_t material, std::uint32_t page, const LayoutPlace& place, std::uint64_t moved_uv_set);
 
+    /// The material to show where nodes name the lightmap: `material` itself, or a clone whose textures follow a moved TEXCOORD_1 and which
+    /// has no MOZ_lightmap. -1 stays -1.
+    std::int64_t without_lightmap(std::int64_t material, std::uint64_t moved_uv_set);
+
+    /// The texture of each page.
+    [[nodiscard]] const std::vector<std::uint64_t>& textures() const { return textures_; }
+
     /// The material of the input.
     [[nodiscard]] const nlohmann::json& source(std::int64_t material) const;
 
@@ -43,6 +50,7 @@ class LightmapMaterials {
     std::vector<std::uint64_t> textures_;  ///< per page
     using CloneKey = std::tuple<std::int64_t, std::uint32_t, std::array<float, 4>, std::uint64_t>;
     std::map<CloneKey, std::uint64_t> clones_;
+    std::map<std::pair<std::int64_t, std::uint64_t>, std::int64_t> plain_clones_;
 };
 
 }  // namespace luxel

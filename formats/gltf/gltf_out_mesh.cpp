@@ -86,7 +86,7 @@ LaidOutMesh MeshRewriter::lay_out(std::int64_t mesh, const std::vector<SourcePri
             const SourcePrimitive& source = sources[next];
             parts = split_by_layout(source.triangles, source.arrays.vertex_count, layout[next], page_count_, source.where);
             ++next;
-            const std::uint64_t moved_set = parts.empty() ? 0 : choose_moved_set(old_primitives[p]);
+            const std::uint64_t moved_set = parts.empty() ? 0 : choose_moved_set(mesh, old_primitives[p]);
             for (const PagePart& part : parts) {
                 result.parts.push_back({primitives.size(), static_cast<std::int64_t>(p), part.page, moved_set});
                 primitives.push_back(make_part(old_primitives[p], source, part, moved_set));
@@ -97,27 +97,56 @@ LaidOutMesh MeshRewriter::lay_out(std::int64_t mesh, const std::vector<SourcePri
     return result;
 }
 
+std::set<std::uint32_t> LaidOutMesh::pages() const {
+    std::set<std::uint32_t> pages;
+    for (const Part& part : parts) pages.insert(part.page);
+    return pages;
+}
+
+/// material_of(material of the input) is what the part shows instead, -1 the default material.
+template <class Material>
+void MeshRewriter::set_materials(const LaidOutMesh& laid_out, const LaidOutMesh::Part& part, json& primitive, const Material& material_of) {
+    const std::string where = primitive_name(model_.document, laid_out.source, part.source);
+    const auto set = [&](json& owner) {
+        const std::int64_t material = material_of(json_index(owner, "material", gltf_count(model_.document.json, "materials"), where));
+        if (material >= 0) owner["material"] = static_cast<std::uint64_t>(material);
+    };
+    set(primitive);
+    if (json_extension(primitive, variants_extension, where))
+        for (json& mapping : primitive["extensions"][variants_extension]["mappings"]) set(mapping);
+}
+
 json MeshRewriter::at_place(const LaidOutMesh& laid_out, const LayoutPlace& place) {
-    const std::size_t material_count = gltf_count(model_.document.json, "materials");
     json mesh = laid_out.mesh;
-    for (const LaidOutMesh::Part& part : laid_out.parts) {
-        const std::string where = primitive_name(model_.document, laid_out.source, part.source);
-        json& primitive = mesh["primitives"][part.primitive];
-        const auto clone = [&](const json& owner) {
-            return materials_.clone(json_index(owner, "material", material_count, where), part.page, place, part.moved_uv_set);
-        };
-        primitive["material"] = clone(primitive);
-        if (json_extension(primitive, variants_extension, where))
-            for (json& mapping : primitive["extensions"][variants_extension]["mappings"]) mapping["material"] = clone(mapping);
+    for (const LaidOutMesh::Part& part : laid_out.parts)
+        set_materials(laid_out, part, mesh["primitives"][part.primitive], [&](std::int64_t material) {
+            return static_cast<std::int64_t>(materials_.clone(material, part.page, place, part.moved_uv_set));
+        });
+    return mesh;
+}
+
+json MeshRewriter::on_page(const LaidOutMesh& laid_out, std::uint32_t page) {
+    json mesh = laid_out.mesh;
+    const bool is_first = page == *laid_out.pages().begin();
+    json& primitives = mesh["primitives"] = json::array();
+    auto part = laid_out.parts.begin();
+    for (std::size_t p = 0; p < laid_out.mesh["primitives"].size(); ++p) {
+        const bool has_page = part != laid_out.parts.end() && part->primitive == p;
+        if (has_page ? part->page == page : is_first) {
+            primitives.push_back(laid_out.mesh["primitives"][p]);
+            if (has_page)
+                set_materials(laid_out, *part, primitives.back(), [&](std::int64_t material) { return materials_.without_lightmap(material, part->moved_uv_set); });
+        }
+        if (has_page) ++part;
     }
     return mesh;
 }
 
 /// Where TEXCOORD_1 of the input goes: the next free set; 0 if there is none, or if only an older lightmap used it.
-std::uint64_t MeshRewriter::choose_moved_set(const json& item) const {
+std::uint64_t MeshRewriter::choose_moved_set(std::int64_t mesh, const json& item) const {
     const json& attributes = item["attributes"];
     if (!attributes.contains("TEXCOORD_1")) return 0;
-    bool has_old_lightmap = false, is_used = uses_uv_set(item, 1);
+    bool has_old_lightmap = has_old_layout_[static_cast<std::size_t>(mesh)], is_used = uses_uv_set(item, 1);
     const std::size_t material_count = gltf_count(model_.document.json, "materials");
     for (const std::int64_t material : materials_of(item, material_count, model_.document.name)) {
         const json& source = materials_.source(material);

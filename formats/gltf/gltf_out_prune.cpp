@@ -106,6 +106,7 @@ bool is_known(std::string_view name) {
                                "KHR_node_visibility",
                                "MSFT_lod",
                                "MOZ_lightmap",
+                               "MX_lightmap",
                                "MOZ_texture_rgbe",
                                "EXT_texture_exr",
                                "MOZ_hubs_components"};

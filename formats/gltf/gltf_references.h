@@ -2,7 +2,7 @@
 ///
 /// Known    glTF 2.0; KHR_draco_mesh_compression, KHR_materials_* and whatever holds a texture under a name that ends in
 ///          "Texture", KHR_materials_variants, KHR_lights_punctual, KHR_texture_basisu and the other extensions of
-///          textures, EXT_mesh_gpu_instancing, EXT_lights_image_based, MOZ_lightmap, MSFT_lod. `extras` are never searched.
+///          textures, EXT_mesh_gpu_instancing, EXT_lights_image_based, MOZ_lightmap, MX_lightmap, MSFT_lod. `extras` are never searched.
 /// Threads  pure.
 #pragma once
 #include <functional>
