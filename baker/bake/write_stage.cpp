@@ -75,6 +75,7 @@ class Writer {
         meaning.encoding = encoding_of(options_.format, options_.encoding);
         meaning.format = format.name;
         meaning.profile = profile.name;
+        if (profile.on_nodes) meaning.placement = LightmapPlacement::nodes;
         meaning.lit_scale = profile.lit_scale;
         meaning.unlit_scale = profile.unlit_scale;
         meaning.suffix = format.suffix;

@@ -18,6 +18,10 @@ ViewerProfile parse_viewer_profile(const std::string& name, const std::string& w
 }
 
 void check_profile(ViewerProfile profile, LightmapFormat format, LightmapEncoding byte_encoding) {
+    if (profile == ViewerProfile::mx && format != LightmapFormat::rgbm_mx)
+        throw Error(ErrorCode::usage, "--lightmap-format",
+                    std::string("expected rgbm-mx with --profile mx, whose viewers know no others, found ") + lightmap_format_info(format).name,
+                    "leave it out, or choose another --profile");
     if (profile != ViewerProfile::hubs) return;
     if (format != LightmapFormat::png8 && format != LightmapFormat::rgbe)
         throw Error(ErrorCode::usage, "--lightmap-format",

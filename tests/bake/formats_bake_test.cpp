@@ -83,15 +83,28 @@ struct Model {
         if (entry.contains("source")) return image(entry["source"]);
         return image((*entry["extensions"].begin())["source"]);
     }
-    [[nodiscard]] json lightmap_of(const std::string& material) const {
+    /// Of materials by MOZ_lightmap, of nodes by MX_lightmap: { index, intensity, extras, of }, `of` the name of the material or node.
+    [[nodiscard]] std::vector<json> lightmaps() const {
+        std::vector<json> found;
+        for (const auto& [list, extension] : {std::pair{"materials", "MOZ_lightmap"}, std::pair{"nodes", "MX_lightmap"}})
+            for (const json& entry : document.json[list]) {
+                if (!entry.contains("extensions") || !entry["extensions"].contains(extension)) continue;
+                json use = entry["extensions"][extension];
+                if (use.contains("lightMapTexture")) use["index"] = use["lightMapTexture"]["index"];
+                use["of"] = entry["name"];
+                found.push_back(std::move(use));
+            }
+        return found;
+    }
+    [[nodiscard]] json lightmap_of(const std::string& name) const {
         json found;
-        for (const json& entry : document.json["materials"])
-            if (entry["name"] == material && entry.contains("extensions") && entry["extensions"].contains("MOZ_lightmap")) found = entry["extensions"]["MOZ_lightmap"];
+        for (const json& use : lightmaps())
+            if (use["of"] == name) found = use;
         return found;
     }
 };
 
-/// Every material of the model, read as its extras say, gives the float page of the report.
+/// Every lightmap of the model, read as its extras say, gives the float page of the report.
 void expect_irradiance(const BakeOptions& options, const BakeReport& report) {
     const Model model(options.output);
     const auto pages = lightmap_pages(report);
@@ -99,11 +112,8 @@ void expect_irradiance(const BakeOptions& options, const BakeReport& report) {
     double largest = 0;
     for (const auto& pixel : pages[0].pixels)
         for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, static_cast<double>(pixel[c]));
-    std::size_t materials = 0;
-    for (const json& material : model.document.json["materials"]) {
-        if (!material.contains("extensions") || !material["extensions"].contains("MOZ_lightmap")) continue;
-        ++materials;
-        const json& use = material["extensions"]["MOZ_lightmap"];
+    const std::vector<json> uses = model.lightmaps();
+    for (const json& use : uses) {
         const json& extras = use["extras"];
         const Samples samples = read_samples(model.texture(use["index"]), extras["format"]);
         ASSERT_EQ(samples.size(), pages[0].pixels.size());
@@ -119,7 +129,7 @@ void expect_irradiance(const BakeOptions& options, const BakeReport& report) {
             }
         }
     }
-    EXPECT_GT(materials, 3u);
+    EXPECT_GT(uses.size(), 3u);
 }
 
 /// One bake folder for all: only the writing is repeated.
@@ -176,7 +186,7 @@ TEST(FormatsBake, ProfilesDifferInTheFactorPiAlone) {
         options.encoding = info.byte_encoding;
         expect_irradiance(options, bake(options));
         const Model model(options.output);
-        lit[info.name] = model.lightmap_of("wall_3"), unlit[info.name] = model.lightmap_of("ceiling");
+        lit[info.name] = model.lightmap_of(info.on_nodes ? "room_0_0_floor" : "wall_3"), unlit[info.name] = model.lightmap_of("ceiling");
         EXPECT_EQ(lit[info.name]["extras"]["profile"], info.name);
         EXPECT_EQ(json::parse(std::ifstream(options.output.string() + ".lightmaps.json"))["profile"], info.name);
     }
@@ -186,6 +196,27 @@ TEST(FormatsBake, ProfilesDifferInTheFactorPiAlone) {
     EXPECT_DOUBLE_EQ(intensity(unlit["plain"]), intensity(lit["plain"]));
     EXPECT_DOUBLE_EQ(intensity(unlit["hubs"]) * M_PI, intensity(lit["hubs"]));
     EXPECT_EQ(lit["hubs"]["extras"]["encoding"], "rgbe8");
+    // The largest code of rgbm-mx is its range.
+    EXPECT_NEAR(intensity(lit["mx"]) * 34.49 * M_PI, intensity(lit["three"]), 1e-6 * intensity(lit["three"]));
+    EXPECT_EQ(lit["mx"]["extras"]["encoding"], "rgbm8-mx");
+}
+
+TEST(FormatsBake, NodesNameTheLightmapForMx) {
+    const TemporaryFolder folder;
+    BakeOptions options = formats_options(folder, sample("two_rooms"));
+    options.profile = ViewerProfile::mx;
+    options.format = LightmapFormat::rgbm_mx;
+    bake(options);
+    const GltfDocument input = load_gltf(options.input);
+    const Model model(options.output);
+    EXPECT_EQ(model.document.json["materials"], input.json["materials"]);
+    std::size_t with_mesh = 0;
+    for (const json& node : model.document.json["nodes"]) with_mesh += node.contains("mesh");
+    EXPECT_EQ(model.lightmaps().size(), with_mesh);
+    const json sidecar = json::parse(std::ifstream(options.output.string() + ".lightmaps.json"));
+    EXPECT_EQ(sidecar["profile"], "mx");
+    EXPECT_EQ(sidecar["pages"][0]["picture"]["encoding"], "rgbm8-mx");
+    EXPECT_EQ(sidecar["pages"][0]["picture"]["range"], 34.49);
 }
 
 TEST(FormatsBake, HubsGetsOneFile) {

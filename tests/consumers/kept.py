@@ -10,7 +10,8 @@ elements, in their component types (to one unit where a decoder may round: filte
 materials, textures and samplers under their numbers; every triangle's corners with all attributes and morph targets.
 Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV set, clones of materials, their textures), vertices that are
 split, primitives parted by page, meshes copied per node, strips and fans as triangles, arrays in other views, decoded compression;
-copies of a node (EXT_mesh_gpu_instancing) have attributes for their places, and some of them may be shown by children of that node.
+copies of a node (EXT_mesh_gpu_instancing) have attributes for their places, and some of them may be shown by children of that node; where
+nodes name lightmaps (MX_lightmap), materials are only cloned for moved UV sets, and children of a node show parts of its mesh on other pages.
 """
 import collections
 import copy
@@ -20,6 +21,7 @@ COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_
 PLACE = {"bufferView", "byteOffset", "sparse"}     # of an accessor: where its elements lie
 BOUNDS = {"min", "max"}
 COPIES, COPY_PLACES = "EXT_mesh_gpu_instancing", {"_LIGHTMAP_OFFSET", "_LIGHTMAP_SCALE"}
+OF_MATERIAL, OF_NODE = "MOZ_lightmap", "MX_lightmap"
 GROWING = ("samplers", "textures", "materials")
 RESTORED = {"accessors", "bufferViews", "buffers", "images", "meshes", "nodes", "skins", "animations", "asset", "extensionsUsed",
             "extensionsRequired", *GROWING}
@@ -53,7 +55,7 @@ def with_moved_set(value, moved):
     if not isinstance(value, dict):
         return value
     return {key: moved if key == "texCoord" and item == 1 else
-            item if key in ("extras", "MOZ_lightmap") else with_moved_set(item, moved) for key, item in value.items()}
+            item if key in ("extras", OF_MATERIAL) else with_moved_set(item, moved) for key, item in value.items()}
 
 
 def with_float_bounds(accessor):
@@ -71,6 +73,8 @@ def uses_second_set(value):
 class _Comparison:
     def __init__(self, before, values, after):
         self.before, self.values, self.after, self.lines = before, values, after, []
+        self.is_on_node = False  # of the mesh that is compared: its node names the lightmap
+        self.relaid = {node["mesh"] for node in before.items("nodes") if "mesh" in node and OF_NODE in node.get("extensions", {})}
 
     def say(self, where, what):
         if len(self.lines) < MOST_LINES:
@@ -119,9 +123,9 @@ class _Comparison:
     def extension_lists(self):
         textures = self.after.items("textures")[len(self.before.items("textures")):]
         pictures = {name for texture in textures for name in texture.get("extensions", {})}
-        for name, added in (("extensionsUsed", {"MOZ_lightmap", "KHR_texture_transform"} | pictures), ("extensionsRequired", set())):
+        for name, added in (("extensionsUsed", {OF_MATERIAL, OF_NODE, "KHR_texture_transform"} | pictures), ("extensionsRequired", set())):
             old, new = self.before.items(name), self.after.items(name)
-            lost = [item for item in old if item not in new and item not in COMPRESSION]
+            lost = [item for item in old if item not in new and item not in COMPRESSION | {OF_NODE}]
             more = [item for item in new if item not in old and item not in added]
             if lost or more:
                 self.say(name, f"lost {lost}, added {more}")
@@ -178,18 +182,63 @@ class _Comparison:
             if parts:
                 kept = [child for child in new["children"] if child not in parts]
                 new = {**without(new, "children"), **({"children": kept} if "children" in old else {})}
-                if COPIES not in old.get("extensions", {}):
+                if COPIES not in old.get("extensions", {}) and OF_NODE not in new.get("extensions", {}):
                     self.say(where, f"nodes {parts} were added below it")
-            self.same(where, *(without_extension(without(item, "mesh"), COPIES) for item in (old, new)))
-            shown = [new, *(nodes[part] for part in parts)]
-            self.copies(where, old, shown)
-            for item in shown:
-                if ("mesh" in old) != ("mesh" in item):
-                    self.say(where, "its mesh was lost or added")
-                elif "mesh" in old:
-                    self.mesh(f"{where}/mesh", self.before.items("meshes")[old["mesh"]], self.after.items("meshes")[item["mesh"]])
+            self.same(where, *(without_extension(without(item, "mesh"), COPIES, OF_NODE) for item in (old, new)))
+            self.shown_meshes(where, old, [new, *(nodes[part] for part in parts)])
         if added or len(nodes) < count:
             self.say("nodes", f"there were {count}, there are {len(nodes)}; of them {sorted(added)} belong to none")
+
+    def shown_meshes(self, where, old, shown):
+        """What the nodes `shown` show together is the mesh of the node `old`: copies of it whole, pages of it in parts."""
+        self.copies(where, old, shown)
+        if any(("mesh" in old) != ("mesh" in item) for item in shown):
+            self.say(where, "its mesh was lost or added")
+            return
+        if "mesh" not in old:
+            return
+        lightmaps = [item.get("extensions", {}).get(OF_NODE) for item in shown]
+        if any(lightmaps) and not all(lightmaps):
+            self.say(where, "a part of it has no lightmap")
+        self.is_on_node = all(lightmaps)
+        for lightmap in filter(None, lightmaps):
+            self.node_lightmap(where, lightmap)
+        before = self.before.items("meshes")[old["mesh"]]
+        after = [self.after.items("meshes")[item["mesh"]] for item in shown]
+        if COPIES not in old.get("extensions", {}) and len(shown) > 1:
+            for part, item in zip(after[1:], shown[1:]):
+                self.same(f"{where}/mesh", without(before, "primitives"), without(part, "primitives"))
+                for key in ("skin", "weights"):
+                    self.same(where, {key: old.get(key)}, {key: item.get(key)})
+            after = [{**after[0], "primitives": self.joined(before, after)}]
+        for mesh in after:
+            self.mesh(f"{where}/mesh", before, mesh, old["mesh"] in self.relaid)
+        self.is_on_node = False
+
+    def node_lightmap(self, where, lightmap):
+        texture, pages = lightmap["lightMapTexture"], range(len(self.before.items("textures")), len(self.after.items("textures")))
+        if texture["texCoord"] != 1 or texture["index"] not in pages or not lightmap["intensity"] > 0:
+            self.say(where, f"its lightmap is {lightmap}")
+        for low, size in zip(lightmap.get("offset", (0, 0)), lightmap.get("scale", (1, 1))):
+            if not 0 <= low <= low + size <= 1:
+                self.say(where, "the place of its lightmap leaves the page")
+
+    def joined(self, old, meshes):
+        """The primitives of meshes that are one mesh by lightmap page, in the order of that mesh."""
+        rests, found = [list(mesh["primitives"]) for mesh in meshes], []
+        for primitive in old["primitives"]:
+            values = self.values_of(primitive)
+            own = set(self.corners(self.values, values, [values["attributes"]["POSITION"]])) if self.values.triangles(values) else set()
+            for rest in rests:
+                if rest and self.is_part_of(own, rest[0]):
+                    found.append(rest.pop(0))
+        return found + sum(rests, [])
+
+    def is_part_of(self, own, part):
+        """Is the first triangle of `part` among `own`? What has no triangles is where it was."""
+        if not self.after.triangles(part):
+            return not own
+        return bool(own) and self.corners(self.after, part, [part["attributes"]["POSITION"]])[0] in own
 
     def copies(self, where, old, shown):
         """Copies of a node, which the nodes `shown` show together: each with all its attributes, in any order."""
@@ -234,7 +283,8 @@ class _Comparison:
 
     # --- meshes --------------------------------------------------------------------------------------------------
 
-    def mesh(self, where, old, new):
+    def mesh(self, where, old, new, is_relaid=False):
+        """is_relaid: the second UV set of the input is of an earlier lightmap of its node."""
         self.same(where, without(old, "primitives"), without(new, "primitives"))
         rest = list(new["primitives"])
         for index, primitive in enumerate(old["primitives"]):
@@ -242,7 +292,7 @@ class _Comparison:
             if not rest:
                 self.say(here, "is lost")
                 return
-            if rest[0].get("material") == primitive.get("material"):
+            if self.has_no_layout(primitive, rest[0]):
                 self.unchanged(here, primitive, rest.pop(0))
                 continue
             parts, wanted = [], len(self.values.triangles(self.values_of(primitive)) or []) // 3
@@ -251,9 +301,16 @@ class _Comparison:
                 wanted -= len(self.after.triangles(parts[-1])) // 3
             if wanted:
                 self.say(here, f"{wanted} triangles are missing")
-            self.parts(here, primitive, parts)
+            self.parts(here, primitive, parts, is_relaid)
         if rest:
             self.say(where, f"{len(rest)} primitives were added")
+
+    def has_no_layout(self, old, new):
+        """Is it as it was? Of those with a layout the material tells, or where nodes name lightmaps the second UV set."""
+        if not self.is_on_node:
+            return new.get("material") == old.get("material")
+        sets = [item["attributes"].get("TEXCOORD_1") for item in (old, new)]
+        return sets[1] is None or sets[0] is not None and self.values.elements(sets[0]) == self.after.elements(sets[1])
 
     def values_of(self, primitive):
         """The same primitive without compression: its arrays have the same numbers there."""
@@ -270,12 +327,12 @@ class _Comparison:
         if "indices" in old and "indices" in new:
             self.array(where + "/indices", old["indices"], new["indices"])
 
-    def moved_set(self, primitive):
+    def moved_set(self, primitive, is_relaid):
         """Where TEXCOORD_1 of the input must be now: a number, or None where it may go, 1 where there was none."""
         if "TEXCOORD_1" not in primitive["attributes"]:
             return 1
         materials = [self.before.items("materials")[index] for index in self.materials_of(primitive)]
-        had_lightmap = any("MOZ_lightmap" in material.get("extensions", {}) for material in materials)
+        had_lightmap = is_relaid or any(OF_MATERIAL in material.get("extensions", {}) for material in materials)
         if had_lightmap and not any(uses_second_set(item) for item in (*materials, primitive)):
             return None
         free = 2
@@ -288,13 +345,13 @@ class _Comparison:
         mappings = primitive.get("extensions", {}).get("KHR_materials_variants", {}).get("mappings", [])
         return [item["material"] for item in (primitive, *mappings) if "material" in item]
 
-    def parts(self, where, old, parts):
-        moved = self.moved_set(old)
+    def parts(self, where, old, parts, is_relaid):
+        moved = self.moved_set(old, is_relaid)
         rename = {"TEXCOORD_1": None if moved is None else f"TEXCOORD_{moved}"}
         rewritten = ("attributes", "indices", "targets", "mode", "material")
         for part in parts:
             self.part_members(where, without_extension(without(old, *rewritten), *COMPRESSION), without(part, *rewritten), moved or 1)
-            self.clone(where, old.get("material"), part["material"], moved or 1)
+            self.clone(where, old.get("material"), part.get("material"), moved or 1)
             names = {rename.get(name, name) for name in old["attributes"]} - {None}
             self.same(f"{where}/attributes", sorted(names | {"TEXCOORD_0", "TEXCOORD_1"}), sorted(part["attributes"]))
             self.lightmap_set(where, part["attributes"]["TEXCOORD_1"])
@@ -324,12 +381,10 @@ class _Comparison:
             self.clone(where, one["material"], other["material"], moved)
 
     def clone(self, where, old, new, moved):
-        material = self.after.items("materials")[new]
-        before = self.before.items("materials")[old] if old is not None else {}
-        before = with_moved_set(without_extension(before, "MOZ_lightmap"), moved)
-        self.same(f"{where}/material", before, without_extension(material, "MOZ_lightmap"))
-        if "MOZ_lightmap" not in material.get("extensions", {}):
-            self.say(where, f"material {new} has no lightmap")
+        before, after = (file.items("materials")[index] if index is not None else {} for file, index in ((self.before, old), (self.after, new)))
+        self.same(f"{where}/material", with_moved_set(without_extension(before, OF_MATERIAL), moved), without_extension(after, OF_MATERIAL))
+        if (OF_MATERIAL in after.get("extensions", {})) == self.is_on_node:
+            self.say(where, f"material {new} has {'a' if self.is_on_node else 'no'} lightmap")
 
     def lightmap_set(self, where, index):
         accessor = self.after.items("accessors")[index]

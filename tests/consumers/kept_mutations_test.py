@@ -100,14 +100,29 @@ HARM = {
 }
 
 
+def node_lightmap(document):
+    return next(node for node in document["nodes"] if node.get("name") == "same name")["extensions"]["MX_lightmap"]
+
+
+HARM_OF_NODES = {
+    "a node's lightmap": lambda document, _: next(n for n in document["nodes"] if n.get("name") == "same name")["extensions"].pop("MX_lightmap"),
+    "its place": lambda document, _: node_lightmap(document).update(offset=[0.9, 0], scale=[0.2, 0.1]),
+    "its intensity": lambda document, _: node_lightmap(document).update(intensity=0),
+    "its page": lambda document, _: node_lightmap(document)["lightMapTexture"].update(index=0),
+    "the second set of a primitive": lambda document, _: primitive_of(document, "same name")["attributes"].pop("TEXCOORD_1"),
+}
+
+
 class Mutations(unittest.TestCase):
+    ARGUMENTS, HARM = (), HARM
+
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory(prefix="luxel-mutations-")
         cls.addClassCleanup(cls.folder.cleanup)
         cls.before = gltf_file.GltfFile(everything.write(cls.folder.name))
         baked = os.path.join(cls.folder.name, "baked.glb")
-        scenes.bake(LUXEL, cls.before.path, baked)
+        scenes.bake(LUXEL, cls.before.path, baked, *cls.ARGUMENTS)
         cls.baked = gltf_file.GltfFile(baked)
 
     def lines(self, harm):
@@ -121,9 +136,14 @@ class Mutations(unittest.TestCase):
         self.assertEqual(self.lines(lambda document, body: None), [])
 
     def test_every_harm_is_noticed(self):
-        for name, harm in HARM.items():
+        for name, harm in self.HARM.items():
             with self.subTest(name):
                 self.assertTrue(self.lines(harm), "nothing was noticed")
+
+
+class MutationsOfNodes(Mutations):
+    """Where nodes name the lightmaps."""
+    ARGUMENTS, HARM = ("--profile", "mx"), {**HARM, **HARM_OF_NODES}
 
 
 if __name__ == "__main__":

@@ -34,6 +34,7 @@ ALL_WAYS = [
     *(Way(form, suffix, ("--lightmap-format", form)) for form, suffix in
       (("png16", ".glb"), ("rgbm", ".gltf"), ("rgbe", ".glb"), ("exr", ".gltf"), ("ktx2", ".glb"))),
     Way("plain", ".glb", ("--profile", "plain")),
+    Way("mx", ".glb", ("--profile", "mx")),
     # Hubs loads one file, and a picture inside a GLB must have a type: image/vnd.radiance is not one of glTF's
     Way("hubs", ".glb", ("--profile", "hubs"), ("VALUE_NOT_IN_LIST",)),
     Way("unlit", ".glb", ("--unlit",)),

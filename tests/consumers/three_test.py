@@ -124,6 +124,14 @@ def transformed(file, body):
     file.json["extensionsUsed"].append("KHR_texture_transform")
 
 
+def placed(file, body):
+    """The places of nodes do."""
+    move_coordinates(file, body)
+    for node in file.items("nodes"):
+        if "MX_lightmap" in node.get("extensions", {}):
+            node["extensions"]["MX_lightmap"].update(offset=OFFSET, scale=SCALE)
+
+
 def copied(file, body):
     """Attributes of copies do: each node shows itself, and a copy far behind the camera with another place."""
     move_coordinates(file, body)
@@ -164,6 +172,7 @@ def main():
         first = KINDS[0].name
         for name, edit in (("transform", transformed), ("copies", copied), ("unlit", unlit)):
             rewrite(os.path.join(folder, first + ".glb"), os.path.join(folder, name + ".glb"), edit)
+        rewrite(os.path.join(folder, "mx.glb"), os.path.join(folder, "placed.glb"), placed)
 
         def compare(model, pages, suffix=".glb", **options):
             return check(folder, "compare", options, model=f"/baked/{model}{suffix}", pages=pages_of(folder, pages), camera=VIEW, exposure=EXPOSURE)
@@ -171,6 +180,7 @@ def main():
         for kind, way in kinds.items():
             judge(kind, compare(kind, kind, way.suffix, lambert=True), wrong)
         judge("KHR_texture_transform", compare("transform", first, lambert=True), wrong)
+        judge("places of nodes", compare("placed", "mx", lambert=True), wrong)
         judge("copies of nodes", compare("copies", first, lambert=True), wrong)
         judge("unlit", compare("unlit", first), wrong)
         judge_standard(compare(first, first), wrong)

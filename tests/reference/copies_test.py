@@ -4,7 +4,8 @@
 usage: copies_test.py LUXEL
 
 Wedges stand in a ring around a lamp: plain, turned, mirrored, half as large, flattened. They are black and see the lamp freely, so the truth is E = I cos / r2 on what faces it, and 0 elsewhere. Read by the viewers'
-rules: MOZ_lightmap with KHR_texture_transform, or the attributes of EXT_mesh_gpu_instancing.
+rules: MOZ_lightmap with KHR_texture_transform, or the attributes of EXT_mesh_gpu_instancing; and with --profile mx by MX_lightmap, from the
+pictures in the model alone.
 """
 import json
 import math
@@ -59,15 +60,17 @@ def expected(points, normals):
     return CANDELA * np.maximum((way * normals).sum(1), 0) / distance ** 3
 
 
-def check(luxel, by_attributes, mode, folder):
+def check(luxel, by_attributes, mode, profile, folder):
     import numpy as np
     from gltf_scene import Scene
     from lightmap import Lightmaps
-    name = f"{'attributes' if by_attributes else 'nodes'}-{mode}"
+    name = f"{'attributes' if by_attributes else 'nodes'}-{mode}-{profile}"
     source, baked = os.path.join(folder, name + ".gltf"), os.path.join(folder, name + ".glb")
     scene(by_attributes).save(folder, name)
-    subprocess.run([luxel, "bake", source, "-o", baked, "--quality", "medium", "--texels-per-metre", "24", "--atlas-size", "256", "--instances", mode, "-q"],
-                   check=True, timeout=300)
+    subprocess.run([luxel, "bake", source, "-o", baked, "--quality", "medium", "--texels-per-metre", "24", "--atlas-size", "256", "--instances", mode, "--profile", profile,
+                    "-q"], check=True, timeout=300)
+    if profile == "mx":
+        os.remove(baked + ".lightmaps.json")  # it leads the reader to the float pages
     read = Scene(baked)
     maps = Lightmaps(read, baked)
     noise = np.random.default_rng(7)
@@ -80,12 +83,15 @@ def check(luxel, by_attributes, mode, folder):
     error = np.abs(found - truth)[lit] / truth[lit]
     median, p95, dark = np.median(error), np.quantile(error, 0.95), np.abs(found[truth == 0]).max()
     document = read.document.json
-    meshes = [document["meshes"][n["mesh"]] for n in document["nodes"] if "mesh" in n]
+    numbers = [n["mesh"] for n in document["nodes"] if "mesh" in n]
+    meshes = [document["meshes"][number] for number in numbers]
     arrays = {json.dumps(m["primitives"][0]["attributes"], sort_keys=True) for m in meshes}
-    print(f"{name}: {len(meshes)} nodes with a mesh, {len(arrays)} geometries, error median {100 * median:.2f} %, 95 % {100 * p95:.1f} %, "
+    print(f"{name}: {len(meshes)} nodes with {len(set(numbers))} meshes, {len(arrays)} geometries, error median {100 * median:.2f} %, 95 % {100 * p95:.1f} %, "
           f"in the dark at most {dark:.2f} lx; {len(read.areas)} triangles")
     # One texel across the smallest copy is a few per cent of its size: bilinear light of a curved function is off by less than that.
     good = median < 0.005 and p95 < 0.03 and len(read.areas) == len(SCALES) * 6
+    if profile == "mx":
+        good = good and len(set(numbers)) == len(arrays) and len(document["materials"]) == 1 and all("picture" in source for source in maps.sources)
     return good and (len(arrays) == 1) == (mode == "share") and (len(meshes) == 1) == (by_attributes and mode == "share")
 
 
@@ -93,7 +99,8 @@ def main():
     use_reference_python()
     luxel = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory(prefix="luxel-copies-") as folder:
-        results = [check(luxel, by_attributes, mode, folder) for by_attributes in (False, True) for mode in ("share", "split")]
+        results = [check(luxel, by_attributes, mode, profile, folder) for by_attributes in (False, True) for mode in ("share", "split")
+                   for profile in ("three", "mx")]
     sys.exit(0 if all(results) else 1)
 
 

@@ -129,6 +129,23 @@ def read_material(entry):
             "double_sided": bool(entry.get("doubleSided", False)), "lightmap": extensions.get("MOZ_lightmap")}
 
 
+# What MX_lightmap's description says of every lightmap: RGBM, and base colour * texel * intensity is what is seen.
+MX_MEANING = {"encoding": "rgbm8-mx", "range": 34.49, "irradianceFactor": np.pi}
+
+
+def node_lightmap(node):
+    """The MX_lightmap of a node as if it were a MOZ_lightmap; None where it has none. Copies have their places in attributes."""
+    extensions = node.get("extensions", {})
+    lightmap = extensions.get("MX_lightmap")
+    if lightmap is None:
+        return None
+    use = {"texCoord": 1, **lightmap["lightMapTexture"], "intensity": lightmap.get("intensity", 1.0),
+           "extras": {**MX_MEANING, **lightmap.get("extras", {})}}
+    if "EXT_mesh_gpu_instancing" not in extensions:
+        use["extensions"] = {"KHR_texture_transform": {k: lightmap[k] for k in ("scale", "offset") if k in lightmap}}
+    return use
+
+
 def node_matrix(node):
     """Column-vector matrix of one node."""
     if "matrix" in node:
@@ -159,7 +176,7 @@ def triangle_corners(mode, order):
 
 class Scene:
     """corners (T, 3, 3) world metres, front counter-clockwise; normals (T, 3, 3) unit, geometric where the file has none;
-    uv: UV set -> (T, 3, 2); colours: (T, 3, 4) of the vertices, or None where all are white; material, object (T,); objects: names; lamps: dicts with kind, position, direction, colour, radius (metres) or sine (of half the apparent diameter).
+    uv: UV set -> (T, 3, 2); colours: (T, 3, 4) of the vertices, or None where all are white; material, object (T,); objects: names; node_lightmaps: per object, or None; lamps: dicts with kind, position, direction, colour, radius (metres) or sine (of half the apparent diameter).
     lamp_radius, sun_angle: metres and degrees, of lamps that the file gives no size."""
 
     def __init__(self, path, lamp_radius=0.0, sun_angle=0.0):
@@ -170,7 +187,7 @@ class Scene:
             raise ValueError(f"{path}: {needed[0]} is not read here; use a decoded copy of the scene")
         self.materials = [read_material(m) for m in self.document.all("materials")]
         self.materials.append(read_material({"name": "default"}))
-        self.objects, self.lamps, self.parts = [], [], []
+        self.objects, self.node_lightmaps, self.lamps, self.parts = [], [], [], []
         self._walk()
         self._join()
 
@@ -190,7 +207,7 @@ class Scene:
             if "mesh" in node:
                 for copy, place in self._copies(node):
                     for number, primitive in enumerate(document.json["meshes"][node["mesh"]]["primitives"]):
-                        self._primitive(primitive, world @ copy, place, f"{node.get('name', index)}/{number}")
+                        self._primitive(primitive, world @ copy, place, f"{node.get('name', index)}/{number}", node_lightmap(node))
 
     def _copies(self, node):
         """Matrices of EXT_mesh_gpu_instancing, with the scale and offset of each copy's second UV set; one without the extension."""
@@ -215,7 +232,7 @@ class Scene:
             "range": light.get("range", 0.0), "cos_inner": np.cos(spot.get("innerConeAngle", 0.0)),
             "cos_outer": np.cos(spot.get("outerConeAngle", np.pi / 4))})
 
-    def _primitive(self, primitive, world, place, name):
+    def _primitive(self, primitive, world, place, name, lightmap):
         attributes, document = primitive["attributes"], self.document
         if "POSITION" not in attributes:
             return
@@ -239,7 +256,13 @@ class Scene:
             found = np.clip(document.numbers(attributes["COLOR_0"]), 0, 1)
             colours = np.concatenate([found, np.ones((len(found), 4 - found.shape[1]))], 1)[rows]
         self.objects.append(name)
+        self.node_lightmaps.append(lightmap)
         self.parts.append((points[rows], normals, uv, colours, primitive.get("material", len(self.materials) - 1), len(self.objects) - 1))
+
+    def lightmap_uses(self):
+        """(which triangles, their lightmap): of materials, and of nodes."""
+        for of, uses in ((self.material, [m["lightmap"] for m in self.materials]), (self.object, self.node_lightmaps)):
+            yield from ((of == number, use) for number, use in enumerate(uses) if use is not None)
 
     def _join(self):
         kept = []

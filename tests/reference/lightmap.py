@@ -36,9 +36,11 @@ def read_exr(path):
 
 
 def decode(samples, encoding, scale=1.0):
-    """What samples in 0..1 (floats: as they are) stand for, before the intensity. scale: the range of rgbm8."""
+    """What samples in 0..1 (floats: as they are) stand for, before the intensity. scale: the range of rgbm8 and rgbm8-mx."""
     if encoding == "rgbm8":
         return samples[..., :3] * samples[..., 3:] * scale
+    if encoding == "rgbm8-mx":
+        return samples[..., :3] * samples[..., 3:] ** 2.2 * scale
     if encoding == "srgb8":
         return np.where(samples <= 0.04045, samples / 12.92, ((samples + 0.055) / 1.055) ** 2.4)
     if encoding in ("linear8", "linear16", "rgbe8", "half"):
@@ -70,15 +72,12 @@ class Lightmaps:
                         self.listed[picture["name"]] = page
         self.page = np.full(len(scene.material), -1)
         self.uv = np.zeros((len(scene.material), 3, 2))
-        for number, material in enumerate(scene.materials):
-            if material["lightmap"] is None:
-                continue
-            own = scene.material == number
-            page = self._load(material["lightmap"])
+        for own, lightmap in scene.lightmap_uses():
+            page = self._load(lightmap)
             height, width = self.pages[page].shape[:2]
             self.page[own] = page
-            use = texture_use(material["lightmap"])
-            corners = scene.uv[material["lightmap"].get("texCoord", 1)][own]
+            use = texture_use(lightmap)
+            corners = scene.uv[lightmap.get("texCoord", 1)][own]
             self.uv[own] = (corners @ use["matrix"][:, :2].T + use["matrix"][:, 2]) * (width, height)
 
     def _load(self, use):
@@ -110,7 +109,7 @@ class Lightmaps:
         with tempfile.NamedTemporaryFile(suffix=suffix) as file:
             file.write(data)
             file.flush()
-            samples = read_picture(file.name, "RGBA" if encoding == "rgbm8" else "RGB")
+            samples = read_picture(file.name, "RGBA" if encoding.startswith("rgbm8") else "RGB")
         return decode(samples, encoding, extras.get("range", 1.0)) * use.get("intensity", 1.0) * extras.get("irradianceFactor", 1.0)
 
     def value(self, page, x, y):
@@ -192,7 +191,7 @@ def choose_texels(maps, count, places, seed):
     noise = np.random.default_rng([seed, 1])
     mapped = np.nonzero(maps.page >= 0)[0]
     if len(mapped) == 0:
-        raise ValueError(f"{maps.path}: no material has MOZ_lightmap")
+        raise ValueError(f"{maps.path}: no material has MOZ_lightmap, and no node MX_lightmap")
     drawn = noise.choice(mapped, count, p=scene.areas[mapped] / scene.areas[mapped].sum())
     weights = noise.dirichlet([1, 1, 1], count)
     texels = np.floor((maps.uv[drawn] * weights[..., None]).sum(1)).astype(int)

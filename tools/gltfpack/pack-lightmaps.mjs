@@ -117,6 +117,8 @@ if (!input || !output) fail('usage: node pack-lightmaps.mjs BAKED.glb OUT.glb [o
 const refused = options.find(option => /^-(tc|tw|tu|tr|cf)$/.test(option));
 if (refused) fail(`${refused}: pictures of lightmaps must stay as they are; leave this option out`);
 const baked = readGlb(input);
+if (baked.json.nodes?.some(node => node.extensions?.MX_lightmap))
+  fail(`${input} has lightmaps on nodes (MX_lightmap), which gltfpack drops and merges; bake with another --profile than mx`);
 if (!baked.json.materials?.some(lightmapOf)) fail(`${input} has no lightmaps`);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'pack-lightmaps-'));
 try {

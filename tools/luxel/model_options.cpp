@@ -7,14 +7,14 @@
 namespace luxel {
 
 void add_model_options(CLI::App& command, ModelArguments& a) {
-    command.add_option("--lightmap-format", a.format, "of the pages in the glTF: 8 or 16 bits with a factor, shared multiplier or exponent, half floats (png8; hubs: rgbe)")
-        ->check(CLI::IsMember({"png8", "png16", "rgbm", "rgbe", "exr", "ktx2"}))->group("Lightmap");
+    command.add_option("--lightmap-format", a.format, "of the pages in the glTF: 8 or 16 bits with a factor, shared multiplier or exponent, half floats (png8; hubs: rgbe; mx: rgbm-mx)")
+        ->check(CLI::IsMember({"png8", "png16", "rgbm", "rgbm-mx", "rgbe", "exr", "ktx2"}))->group("Lightmap");
     command.add_option("--encoding", a.encoding, "of png8 (srgb8; hubs: linear8)")
         ->check(CLI::IsMember({"srgb8", "linear8"}))->group("Lightmap");
     command.add_option("--dither", a.dither, "png8: round up or down by place, so that even surfaces are right in the mean; off: to the nearest")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Lightmap");
-    command.add_option("--profile", a.profile, "viewers that the glTF's materials are made for: factor pi and colour space")
-        ->check(CLI::IsMember({"three", "hubs", "plain"}))->capture_default_str()->group("Lightmap");
+    command.add_option("--profile", a.profile, "viewers that the glTF is made for: factor pi, colour space, lightmaps on materials or nodes")
+        ->check(CLI::IsMember({"three", "hubs", "plain", "mx"}))->capture_default_str()->group("Lightmap");
     command.add_flag("--unlit", a.unlit, "write OUT's stem.unlit.glb too: its pictures are base colour times light, which any viewer shows")->group("Lightmap");
     command.add_option("--unlit-exposure", a.unlit_exposure, "of --unlit: picture = nits * X (so that 99 % of it is not cut)")
         ->check(CLI::Range(1e-30, 1e30))->type_name("X")->group("Lightmap");
@@ -28,8 +28,9 @@ void resolve_model_options(const ModelArguments& a, const CLI::App& command, Bak
     o.dither = a.dither == "on";
     for (const char* name : {"--encoding", "--dither"})
         if (command.count(name) && o.format != LightmapFormat::png8)
-            throw Error(ErrorCode::usage, name, std::string("it is of png8 only, but the format is ") + lightmap_format_info(o.format).name,
-                        "leave it out, or add --lightmap-format png8");
+            throw Error(ErrorCode::usage, name,
+                        std::string("it is of png8 only, but the format") + (a.format.empty() ? " of --profile " + a.profile : "") + " is " + lightmap_format_info(o.format).name,
+                        o.profile == ViewerProfile::mx ? "leave it out, or choose another --profile" : "leave it out, or add --lightmap-format png8");
     check_profile(o.profile, o.format, o.encoding);
     o.unlit = a.unlit;
     o.unlit_exposure = a.unlit_exposure;

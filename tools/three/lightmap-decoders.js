@@ -5,6 +5,7 @@
  *     encoding  file                            a texel is
  *     linear16  PNG, 16 bits a channel          sample / 65535            (browsers cut it to 8 bits)
  *     rgbm8     PNG, RGBA of 8 bits             rgb / 255 * a / 255 * range   (browsers interpolate the four, and multiply by a)
+ *     rgbm8-mx  the same                        rgb / 255 * (a / 255)^2.2 * range
  *     rgbe8     Radiance .hdr                   mantissa * 2^(exponent - 136)
  *     half      OpenEXR, or KTX 2.0 with zstd   as it is
  *
@@ -15,10 +16,13 @@ import { ClampToEdgeWrapping, DataTexture, DataUtils, HalfFloatType, LinearFilte
 
 const LARGEST_HALF = 65504;
 
+/** Of every byte of alpha. */
+const MX_POWERS = Float64Array.from({ length: 256 }, (_, a) => (a / 255) ** 2.2);
+
 /**
  * @param {Uint8Array} bytes  the file
  * @param {string} encoding   extras.encoding of the lightmap
- * @param {number} range      extras.range, of rgbm8
+ * @param {number} range      extras.range, of rgbm8 and rgbm8-mx
  * @returns {Promise<DataTexture>} RGBA of half floats, first row at the top, as textures of glTF are
  */
 export async function decodeLightmap(bytes, encoding, range = 1) {
@@ -35,9 +39,10 @@ function decoderOf(bytes, encoding) {
   switch (encoding) {
     case 'linear16': return (file) => halves(file, samples => value => samples[value] / 65535);
     case 'rgbm8': return (file, range) => halves(file, samples => (value, alpha) => samples[value] * samples[alpha] / 65025 * range);
+    case 'rgbm8-mx': return (file, range) => halves(file, samples => (value, alpha) => samples[value] / 255 * MX_POWERS[samples[alpha]] * range);
     case 'rgbe8': return decodeHdr;
     case 'half': return bytes[0] === 0xab ? decodeKtx2 : decodeExr;
-    default: throw new Error(`MOZ_lightmap: encoding "${encoding}" is not known here`);
+    default: throw new Error(`lightmap: encoding "${encoding}" is not known here`);
   }
 }
 
