@@ -1,6 +1,6 @@
 #include "baker/output/lightmap_format.h"
 
-#include "formats/base/error.h"
+#include "baker/output/named_choice.h"
 
 namespace luxel {
 
@@ -9,12 +9,7 @@ const LightmapFormatInfo& lightmap_format_info(LightmapFormat format) {
 }
 
 LightmapFormat parse_lightmap_format(const std::string& name, const std::string& where) {
-    std::string names;
-    for (const LightmapFormatInfo& info : all_lightmap_formats) {
-        if (name == info.name) return info.format;
-        names += std::string(names.empty() ? "" : ", ") + info.name;
-    }
-    throw Error(ErrorCode::usage, where, "expected one of " + names + ", found \"" + name + "\"");
+    return row_named(all_lightmap_formats, name, where).format;
 }
 
 std::string encoding_of(LightmapFormat format, LightmapEncoding bytes) {

@@ -1,5 +1,6 @@
 #include "baker/output/viewer_profile.h"
 
+#include "baker/output/named_choice.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -9,12 +10,7 @@ const ViewerProfileInfo& viewer_profile_info(ViewerProfile profile) {
 }
 
 ViewerProfile parse_viewer_profile(const std::string& name, const std::string& where) {
-    std::string names;
-    for (const ViewerProfileInfo& info : all_viewer_profiles) {
-        if (name == info.name) return info.profile;
-        names += std::string(names.empty() ? "" : ", ") + info.name;
-    }
-    throw Error(ErrorCode::usage, where, "expected one of " + names + ", found \"" + name + "\"");
+    return row_named(all_viewer_profiles, name, where).profile;
 }
 
 void check_profile(ViewerProfile profile, LightmapFormat format, LightmapEncoding byte_encoding) {
