@@ -20,6 +20,7 @@
 #include "tools/luxel/printable.h"
 #include "tools/luxel/report_json.h"
 #include "tools/luxel/size_option.h"
+#include "tools/luxel/unsigned_option.h"
 
 namespace luxel {
 namespace {
@@ -39,24 +40,20 @@ struct Arguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 seams = "join", importance = "on", estimator = "ray",
                                 chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", two_sided = "front", vertex_colours = "on", settings;
-    std::string sky, sky_color, draco_bits, split = "none";
+    std::string sky, sky_color;
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
-    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64, split_triangles = 1000;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
-    bool verify = false, quiet = false, skip_skinned = false, allow_outside = false, draco = false, meshopt = false;
+    bool verify = false, quiet = false, skip_skinned = false, allow_outside = false;
 };
 
 /// Refuses what a range check lets through: not-a-number compares with nothing.
 const CLI::Validator finite(
     [](std::string& text) { return std::isnan(std::strtod(text.c_str(), nullptr)) ? "expected a number" : std::string(); },
     "", "finite");
-
-/// Refuses a sign: an unsigned number would silently wrap around.
-const CLI::Validator unsigned_number(
-    [](std::string& text) { return text.starts_with('-') ? "expected 0 or more" : std::string(); }, "", "unsigned");
 
 /// Takes the word for the number that switches a thing off.
 const CLI::Validator off_or_number(
@@ -160,14 +157,6 @@ BakeOptions resolve(const Arguments& a, const CLI::App& command) {
     o.interpolation = *interpolation_of(a.interpolation);
     o.seams = a.seams == "keep" ? SeamMode::keep : SeamMode::join;
     resolve_model_options(a.model, command, o);
-    if (given("--draco-bits") && !a.draco)
-        throw Error(ErrorCode::usage, "--draco-bits", "it says how exact --draco is, but there is none", "add --draco, or leave it out");
-    if (a.draco) o.draco = given("--draco-bits") ? parse_draco_bits(a.draco_bits, "--draco-bits") : DracoBits();
-    o.meshopt = a.meshopt;
-    if (given("--split-triangles") && a.split == "none")
-        throw Error(ErrorCode::usage, "--split-triangles", "it says how small the files of --split may be, but there is none", "add --split chunks, or leave it out");
-    o.split_chunks = a.split == "chunks";
-    o.split_triangles = a.split_triangles;
     if (given("--aov")) o.layers = parse_layers(a.aov, "--aov");
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
@@ -224,10 +213,10 @@ std::vector<std::pair<std::string, std::string>> settings(const Arguments& a, co
             {"profile", a.model.profile},
             {"unlit", o.unlit ? "on" : "off"},
             {"unlit-exposure", o.unlit_exposure > 0 ? fmt::format("{}", o.unlit_exposure) : "auto"},
-            {"draco", a.draco ? "on" : "off"},
-            {"draco-bits", a.draco_bits.empty() ? draco_bits_text({}) : a.draco_bits},
+            {"draco", o.draco ? "on" : "off"},
+            {"draco-bits", a.model.draco_bits.empty() ? draco_bits_text({}) : a.model.draco_bits},
             {"meshopt", o.meshopt ? "on" : "off"},
-            {"split", a.split},
+            {"split", a.model.split},
             {"split-triangles", std::to_string(o.split_triangles)},
             {"aov", layer_names(o.layers)},
             {"seed", std::to_string(o.seed)},
@@ -361,15 +350,6 @@ void add_options(CLI::App& command, Arguments& a) {
     command.add_option("--seams", a.seams, "between charts where the surface goes on: make both sides agree, or leave them as computed")
         ->check(CLI::IsMember({"join", "keep"}))->capture_default_str()->group("Lightmap");
     add_model_options(command, a.model);
-    command.add_flag("--draco", a.draco, "compress the meshes of the result by Draco (KHR_draco_mesh_compression)")->group("Result");
-    command.add_option("--draco-bits", a.draco_bits,
-                       "bits kept of each number, 1 .. 24 (POSITION=14,NORMAL=10,TEXCOORD=12,COLOR=8,LIGHTMAP=auto,OTHER=12)")
-        ->type_name("LIST")->group("Result");
-    command.add_flag("--meshopt", a.meshopt, "compress the arrays of the result without loss (EXT_meshopt_compression), after --draco what that left")->group("Result");
-    command.add_option("--split", a.split, "write the scene in parts too, each a GLB, with an index: by the chunks of patches")
-        ->check(CLI::IsMember({"none", "chunks"}))->capture_default_str()->group("Result");
-    command.add_option("--split-triangles", a.split_triangles, "fewest triangles of a part; smaller ones join the one that they see most of")
-        ->check(unsigned_number)->check(CLI::Range(0u, 1u << 30))->capture_default_str()->group("Result");
     command.add_option("--aov", a.aov, "layers to write beside the lightmap, separated by commas: " + known_layer_names())
         ->type_name("LIST")->group("Lightmap");
     command.add_option("--blend-colour,--blend-color", a.blend_colour,

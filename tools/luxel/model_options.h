@@ -1,6 +1,7 @@
-/// The options of how lightmaps go into the model: formats, profiles. Their arguments, and what they mean for a bake.
+/// The options of how the model is written: formats and profiles of its lightmaps, compression, parts. Their arguments, and what they mean for a bake.
 #pragma once
 #include <CLI/App.hpp>
+#include <cstdint>
 #include <string>
 
 #include "baker/bake/bake.h"
@@ -9,8 +10,10 @@ namespace luxel {
 
 struct ModelArguments {
     std::string format, encoding, dither = "on", profile = "three";  ///< empty: what the profile has
-    bool unlit = false;
+    std::string draco_bits, split = "none";
+    bool unlit = false, draco = false, meshopt = false;
     double unlit_exposure = 0;
+    std::uint32_t split_triangles = 1000;
 };
 
 void add_model_options(CLI::App& command, ModelArguments& arguments);
