@@ -1,8 +1,8 @@
 #include "formats/gltf/gltf_compression.h"
 
-#include <draco/compression/decode.h>
 #include <meshoptimizer.h>
 
+#include "formats/gltf/gltf_draco_decoder.h"
 #include "formats/gltf/gltf_json.h"
 
 namespace luxel {
@@ -106,6 +106,8 @@ AccessorBytes read_draco_attribute(const draco::Mesh& mesh, const DracoAttribute
     if (static_cast<std::uint32_t>(source->num_components()) != out.components)
         bad_gltf(here, "the accessor is " + out.type + ", the compressed data has " +
                            std::to_string(source->num_components()) + " components", damaged_hint);
+    // Bytes other than 0 and 1 are no values of C++'s bool, as which Draco would read them.
+    if (source->data_type() == draco::DT_BOOL) bad_gltf(here, "the compressed data has truth values; expected numbers", damaged_hint);
     const std::uint64_t count = mesh.num_points();
     if (out.count != count)
         bad_gltf(here, "the accessor has " + std::to_string(out.count) + " elements, the compressed data " +
@@ -148,12 +150,7 @@ Bytes decode_meshopt_view(const GltfDocument& document, const json& extension, c
 }
 
 DracoMesh decode_draco(ByteView stream, const std::vector<DracoAttribute>& wanted, const std::string& where) {
-    draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
-    draco::Decoder decoder;
-    auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) bad_gltf(where, std::string("Draco: ") + decoded.status().error_msg(), damaged_hint);
-    const std::unique_ptr<draco::Mesh> mesh = std::move(decoded).value();
+    const std::unique_ptr<draco::Mesh> mesh = decode_draco_mesh(stream, where);
     DracoMesh out;
     out.vertex_count = mesh->num_points();
     for (const DracoAttribute& attribute : wanted)

@@ -1,4 +1,4 @@
-/// The two geometry codecs of glTF: meshopt buffer views and Draco meshes. Only user of both libraries.
+/// The two geometry codecs of glTF: meshopt buffer views and Draco meshes (within the bounds of gltf_draco_decoder.h).
 ///
 /// Errors   Error{bad_input} naming who uses the data: every size is checked before a decoder runs, so that damaged
 ///          files end in a message, never in a crash or an allocation that the file's own size does not justify.

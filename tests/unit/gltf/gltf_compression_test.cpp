@@ -165,12 +165,12 @@ TEST(GltfMeshopt, FallbackBufferMayBeEmpty) {
     std::filesystem::remove_all(folder);
 }
 
-/// The same grid as a Draco stream, positions as floats and one 8-bit UV-like attribute; ids by semantic.
-Bytes draco_grid(const Grid& grid, std::uint32_t& position_id, std::uint32_t& color_id) {
+/// The same grid as a Draco stream, positions as floats and one 8-bit UV-like attribute, which it calls `color_type`; ids by semantic.
+Bytes draco_grid(const Grid& grid, std::uint32_t& position_id, std::uint32_t& color_id, draco::DataType color_type) {
     draco::TriangleSoupMeshBuilder builder;
     builder.Start(static_cast<int>(grid.indices.size() / 3));
     const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
-    const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8);
+    const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, color_type);
     for (std::size_t t = 0; t < grid.indices.size() / 3; ++t) {
         const float* p[3];
         std::array<std::array<std::uint8_t, 4>, 3> c{};
@@ -192,10 +192,10 @@ Bytes draco_grid(const Grid& grid, std::uint32_t& position_id, std::uint32_t& co
 }
 
 /// Two primitives share one stream; the second has float colours, another component type than the stream's.
-MadeGltf draco_gltf(const Grid& grid) {
+MadeGltf draco_gltf(const Grid& grid, draco::DataType color_type = draco::DT_UINT8) {
     MadeGltf made;
     std::uint32_t position_id = 0, color_id = 0;
-    const auto view = made.view(draco_grid(grid, position_id, color_id));
+    const auto view = made.view(draco_grid(grid, position_id, color_id, color_type));
     const std::size_t n = grid.vertex_count();
     const auto describe = [&](int component, const char* type, std::size_t count) {
         made.json["accessors"].push_back({{"componentType", component}, {"type", type}, {"count", count}});
@@ -241,6 +241,11 @@ TEST(GltfDraco, FaultsAreNamed) {
     EXPECT_THAT(error_with([](json&, json& root) { root["accessors"][0]["type"] = "VEC2"; }), HasSubstr("VEC2"));
     EXPECT_THAT(error_with([](json&, json& root) { root["bufferViews"][0]["byteLength"] = 20; }),
                 testing::AllOf(HasSubstr("mesh \"m\" primitive 0"), HasSubstr("Draco")));
+}
+
+TEST(GltfDraco, TruthValuesAreNoNumbers) {
+    const MadeGltf made = draco_gltf(Grid(5), draco::DT_BOOL);  // with bytes such as 2 and 255
+    EXPECT_THAT(bad_input_of([&] { read_primitive(made.document(), 0, 0); }), HasSubstr("Draco attribute COLOR_0: the compressed data has truth values"));
 }
 
 TEST(GltfDraco, DamagedStreamsNeverCrash) {
