@@ -2,6 +2,7 @@
 
 usage: input_test.py LUXEL [unittest arguments]
 """
+import json
 import os
 import shutil
 import struct
@@ -136,6 +137,19 @@ class Input(Case):
                 self.assert_refused(self.bake("--settings", settings(text)), BAD_INPUT, words)
         self.assert_refused(self.bake("--settings", self.path("gone.json")), BAD_INPUT, "gone.json")
         self.assert_done(self.bake("--settings", settings('{"nodes": [{"match": "/wall_plus_y", "lightmap": false}, {"match": "chair", "optional": true}]}')))
+
+    def test_many_warnings_of_a_kind(self):
+        for count, lines, more in ((4, 4, None), (5, 3, "2 more of this kind")):
+            def flatten(document, count=count):
+                for node in document["nodes"][:count]:
+                    node["scale"] = [0, 0, 0]
+            done = self.bake("--report", self.path("report.json"), source=self.scene(flatten))
+            self.assert_done(done)
+            said = [line for line in done.stderr.splitlines() if "[dropped-triangles]" in line]
+            self.assertEqual(len([line for line in said if "without area" in line]), lines, done.stderr)
+            self.assertEqual([line.split(": ")[2].split(";")[0] for line in said if "without area" not in line], [more] if more else [])
+            with open(self.path("report.json"), encoding="utf-8") as file:
+                self.assertEqual(len([w for w in json.load(file)["warnings"] if w["code"] == "dropped-triangles"]), count)
 
     def test_nothing_to_bake(self):
         source = self.scene(lambda document: document["scenes"][0].update(nodes=[]))

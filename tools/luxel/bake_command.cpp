@@ -17,10 +17,10 @@
 #include "tools/luxel/interrupt.h"
 #include "tools/luxel/model_options.h"
 #include "tools/luxel/progress_printer.h"
-#include "tools/luxel/printable.h"
 #include "tools/luxel/report_json.h"
 #include "tools/luxel/size_option.h"
 #include "tools/luxel/unsigned_option.h"
+#include "tools/luxel/warning_printer.h"
 
 namespace luxel {
 namespace {
@@ -264,8 +264,7 @@ int run(const Arguments& arguments, const CLI::App& command) {
     BakeReport report = bake(options);
     printer.finish();
     report.settings = settings(arguments, options);
-    for (const Warning& warning : report.warnings)
-        fmt::print(stderr, "luxel: warning: {}: {} [{}]\n", printable(warning.where), printable(warning.text), warning.code);
+    print_warnings(report.warnings);
     if (!arguments.report.empty()) {
         const std::string text = report_json(report);
         publish_file(arguments.report, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
