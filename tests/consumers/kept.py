@@ -3,7 +3,7 @@
 `differences(before, values, after)` lists what was lost or changed, as lines of text; an empty list is a pass.
 before  the input as it is
 values  the input with its compressed arrays decoded under the same numbers (decode.mjs); `before` itself where none is
-after   the baked model
+after   the baked model, decoded in the same way where it is compressed
 
 Compared: the scenes, nodes, cameras, skins, animations, unknown members, extensions and extras as JSON; arrays by their
 elements, in their component types (to one unit where a decoder may round: filters of meshopt); pictures byte for byte; all
@@ -11,13 +11,19 @@ materials, textures and samplers under their numbers; every triangle's corners w
 Allowed, as formats/gltf/gltf_out.h says: lightmaps (a second UV set, clones of materials, their textures), vertices that are
 split, primitives parted by page, meshes copied per node, strips and fans as triangles, arrays in other views, decoded compression;
 copies of a node (EXT_mesh_gpu_instancing) have attributes for their places, and some of them may be shown by children of that node; where
-nodes name lightmaps (MX_lightmap), materials are only cloned for moved UV sets, and children of a node show parts of its mesh on other pages.
+nodes name lightmaps (MX_lightmap), materials are only cloned for moved UV sets, and children of a node show parts of its mesh on other pages. Compression
+where it was asked for (is_packed): what Draco holds in the output has moved by its rounding at most, without triangles whose corners meet (rounding.py);
+meshopt may begin a triangle with another corner.
 """
 import collections
 import copy
 import struct
 
-COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"}
+import rounding
+from corner_lists import corner_triangles, has_three_places, in_order, turned
+
+DRACO = "KHR_draco_mesh_compression"
+COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", DRACO}
 PLACE = {"bufferView", "byteOffset", "sparse"}     # of an accessor: where its elements lie
 BOUNDS = {"min", "max"}
 COPIES, COPY_PLACES = "EXT_mesh_gpu_instancing", {"_LIGHTMAP_OFFSET", "_LIGHTMAP_SCALE"}
@@ -28,8 +34,8 @@ RESTORED = {"accessors", "bufferViews", "buffers", "images", "meshes", "nodes", 
 MOST_LINES = 20
 
 
-def differences(before, values, after):
-    found = _Comparison(before, values, after)
+def differences(before, values, after, is_packed=False):
+    found = _Comparison(before, values, after, is_packed)
     try:
         found.run()
     except (IndexError, KeyError, TypeError, ValueError) as error:  # something is gone that has to be there
@@ -71,8 +77,9 @@ def uses_second_set(value):
 
 
 class _Comparison:
-    def __init__(self, before, values, after):
-        self.before, self.values, self.after, self.lines = before, values, after, []
+    def __init__(self, before, values, after, is_packed):
+        self.before, self.values, self.after, self.is_packed, self.lines = before, values, after, is_packed, []
+        self.extent = 0          # of the mesh that is compared
         self.is_on_node = False  # of the mesh that is compared: its node names the lightmap
         self.relaid = {node["mesh"] for node in before.items("nodes") if "mesh" in node and OF_NODE in node.get("extensions", {})}
 
@@ -123,7 +130,8 @@ class _Comparison:
     def extension_lists(self):
         textures = self.after.items("textures")[len(self.before.items("textures")):]
         pictures = {name for texture in textures for name in texture.get("extensions", {})}
-        for name, added in (("extensionsUsed", {OF_MATERIAL, OF_NODE, "KHR_texture_transform"} | pictures), ("extensionsRequired", set())):
+        packed = COMPRESSION if self.is_packed else set()
+        for name, added in (("extensionsUsed", {OF_MATERIAL, OF_NODE, "KHR_texture_transform"} | pictures | packed), ("extensionsRequired", packed)):
             old, new = self.before.items(name), self.after.items(name)
             lost = [item for item in old if item not in new and item not in COMPRESSION | {OF_NODE}]
             more = [item for item in new if item not in old and item not in added]
@@ -287,6 +295,9 @@ class _Comparison:
         """is_relaid: the second UV set of the input is of an earlier lightmap of its node."""
         self.same(where, without(old, "primitives"), without(new, "primitives"))
         rest = list(new["primitives"])
+        if any(map(self.is_draco, rest)):
+            places = [row for item in map(self.values_of, old["primitives"]) for row in self.values.numbers(item["attributes"]["POSITION"])]
+            self.extent = rounding.extent(places)
         for index, primitive in enumerate(old["primitives"]):
             here = f"{where}/primitives/{index}"
             if not rest:
@@ -295,15 +306,30 @@ class _Comparison:
             if self.has_no_layout(primitive, rest[0]):
                 self.unchanged(here, primitive, rest.pop(0))
                 continue
-            parts, wanted = [], len(self.values.triangles(self.values_of(primitive)) or []) // 3
+            counted = self.own_triangles if any(self.is_draco(item) for item in rest) else self.all_triangles
+            parts, wanted = [], counted(self.values, self.values_of(primitive))
             while rest and wanted > 0:
                 parts.append(rest.pop(0))
-                wanted -= len(self.after.triangles(parts[-1])) // 3
+                wanted -= (self.all_triangles if self.is_draco(parts[-1]) else counted)(self.after, parts[-1])
             if wanted:
                 self.say(here, f"{wanted} triangles are missing")
             self.parts(here, primitive, parts, is_relaid)
         if rest:
             self.say(where, f"{len(rest)} primitives were added")
+
+    @staticmethod
+    def is_draco(primitive):
+        return DRACO in primitive.get("extensions", {})
+
+    @staticmethod
+    def all_triangles(file, primitive):
+        return len(file.triangles(primitive) or []) // 3
+
+    def own_triangles(self, file, primitive):
+        """Those that Draco keeps: all where there are morph targets, else those with three places."""
+        if "targets" in primitive or not file.triangles(primitive):
+            return self.all_triangles(file, primitive)
+        return sum(has_three_places(triangle) for triangle in corner_triangles(file, primitive, [file.elements(primitive["attributes"]["POSITION"])]))
 
     def has_no_layout(self, old, new):
         """Is it as it was? Of those with a layout the material tells, or where nodes name lightmaps the second UV set."""
@@ -318,14 +344,29 @@ class _Comparison:
 
     def unchanged(self, where, old, new):
         arrays = ("attributes", "indices", "targets")
-        self.same(where, without_extension(without(old, *arrays), *COMPRESSION), without(new, *arrays))
+        self.same(where, *(without_extension(without(item, *arrays), *COMPRESSION) for item in (old, new)))
+        if self.is_draco(new) and not self.is_draco(old):
+            self.same(where, sorted(old["attributes"]), sorted(new["attributes"]))
+            self.rounded_parts(where, old, [new], [(name, old["attributes"][name], [new["attributes"][name]]) for name in sorted(old["attributes"])])
+            return
         self.arrays(where, old["attributes"], new["attributes"])
         for one, other in zip(old.get("targets", []), new.get("targets", [])):
             self.arrays(where + "/targets", one, other)
         self.same(where + "/targets", len(old.get("targets", [])), len(new.get("targets", [])))
         self.same(where, "indices" in old, "indices" in new)
         if "indices" in old and "indices" in new:
-            self.array(where + "/indices", old["indices"], new["indices"])
+            self.indices(where + "/indices", old, new)
+
+    def indices(self, where, old, new):
+        """Of a primitive that is as it was; meshopt may begin a triangle with another corner."""
+        if not self.is_packed or self.all_triangles(self.after, new) == 0:
+            self.array(where, old["indices"], new["indices"])
+            return
+        self.described(where, old["indices"], new["indices"])
+        lists = [file.triangles(primitive) for file, primitive in ((self.values, self.values_of(old)), (self.after, new))]
+        before, after = ([turned(of[at:at + 3]) for at in range(0, len(of), 3)] for of in lists)
+        if before != after:
+            self.say(where, "its triangles have changed")
 
     def moved_set(self, primitive, is_relaid):
         """Where TEXCOORD_1 of the input must be now: a number, or None where it may go, 1 where there was none."""
@@ -350,7 +391,7 @@ class _Comparison:
         rename = {"TEXCOORD_1": None if moved is None else f"TEXCOORD_{moved}"}
         rewritten = ("attributes", "indices", "targets", "mode", "material")
         for part in parts:
-            self.part_members(where, without_extension(without(old, *rewritten), *COMPRESSION), without(part, *rewritten), moved or 1)
+            self.part_members(where, *(without_extension(without(item, *rewritten), *COMPRESSION) for item in (old, part)), moved or 1)
             self.clone(where, old.get("material"), part.get("material"), moved or 1)
             names = {rename.get(name, name) for name in old["attributes"]} - {None}
             self.same(f"{where}/attributes", sorted(names | {"TEXCOORD_0", "TEXCOORD_1"}), sorted(part["attributes"]))
@@ -358,11 +399,15 @@ class _Comparison:
         sets = [(old["attributes"], [part["attributes"] for part in parts])]
         for index, target in enumerate(old.get("targets", [])):
             sets.append((target, [part["targets"][index] for part in parts]))
-        pairs = [(before[name], [after[rename.get(name, name)] for after in afters])
-                 for before, afters in sets for name in sorted(before) if rename.get(name, name)]
+        triples = [(name, before[name], [after[rename.get(name, name)] for after in afters])
+                   for before, afters in sets for name in sorted(before) if rename.get(name, name)]
+        pairs = [(accessor, copies) for _, accessor, copies in triples]
         for accessor, copies in pairs:
             for one in copies:
                 self.described(where, accessor, one)
+        if any(map(self.is_draco, parts)) or self.is_packed and any(self.is_rounded(accessor) for accessor, _ in pairs):
+            self.rounded_parts(where, old, parts, triples)
+            return
         exact = [pair for pair in pairs if not self.is_rounded(pair[0])]
         before = self.corners(self.values, self.values_of(old), [accessor for accessor, _ in exact])
         after = [self.corners(self.after, part, [copies[number] for _, copies in exact]) for number, part in enumerate(parts)]
@@ -407,12 +452,31 @@ class _Comparison:
         found = [corner for part, at in order for corner in lists[1 + part][3 * at:3 * at + 3]]
         self.nearly_same(where, lists[0], found)
 
-    @staticmethod
-    def corners(file, primitive, accessors):
+    def rounded_parts(self, where, old, parts, triples):
+        """Corners with all attributes, where Draco has put them into another order and rounded them. triples: name, accessor, those of the parts."""
+        before, after, place = [], [[] for _ in parts], 0
+        for column, (name, accessor, copies) in enumerate(triples):
+            rows, is_float = self.values.numbers(accessor), self.before.items("accessors")[accessor]["componentType"] == 5126
+            step = 1 if self.is_rounded(accessor) else rounding.allowed(name, rows, is_float, self.extent)
+            before.append(rounding.over(rows, step))
+            for part, copy in zip(after, copies):
+                part.append(rounding.over(self.after.numbers(copy), step))
+            place = column if name == "POSITION" else place
+        wanted = corner_triangles(self.values, self.values_of(old), before)
+        found = [(triangle, self.is_draco(part)) for part, columns in zip(parts, after) for triangle in corner_triangles(self.after, part, columns)]
+        if "targets" not in old:  # where order matters nothing is dropped
+            wanted = [triangle for triangle in wanted if has_three_places([corner[place] for corner in triangle])]
+            found = [(triangle, packed) for triangle, packed in found if packed or has_three_places([corner[place] for corner in triangle])]
+        worst = rounding.worst_move(wanted, [triangle for triangle, _ in found])
+        if worst > 1.001:
+            self.say(where, f"{len(wanted)} triangles became {len(found)}, moved by up to {worst:.3g} of what Draco may")
+        elif rounding.is_turned_over(*([[corner[place] for corner in triangle] for triangle in triangles] for triangles in (wanted, [t for t, _ in found]))):
+            self.say(where, "triangles are turned over")
+
+    def corners(self, file, primitive, accessors):
         """Per triangle: the bytes of its three corners in all these arrays."""
-        vertices = [b"".join(values) for values in zip(*(file.elements(accessor) for accessor in accessors))]
-        of = [vertices[index] for index in file.triangles(primitive)]
-        return [b"".join(of[at:at + 3]) for at in range(0, len(of), 3)]
+        triangles = corner_triangles(file, primitive, [file.elements(accessor) for accessor in accessors])
+        return [b"".join(map(b"".join, turned(triangle) if self.is_packed else triangle)) for triangle in triangles]
 
     def same_triangles(self, where, before, parts):
         after = [triangle for part in parts for triangle in part]
@@ -426,14 +490,3 @@ class _Comparison:
         if lost:
             self.say(where, f"{sum(lost.values())} triangles of {len(before)} are not among the parts")
         return not lost
-
-
-def in_order(before, parts):
-    """Which (part, triangle) each triangle of the input became: parts keep the order."""
-    waiting = collections.defaultdict(list)
-    for number, part in enumerate(parts):
-        for at, triangle in enumerate(part):
-            waiting[triangle].append((at, number))
-    for places in waiting.values():
-        places.sort(reverse=True)
-    return [waiting[triangle].pop()[::-1] for triangle in before]

@@ -5,6 +5,7 @@ usage: kept_mutations_test.py LUXEL
 """
 import copy
 import os
+import struct
 import sys
 import tempfile
 import unittest
@@ -12,6 +13,7 @@ import unittest
 import everything
 import gltf_file
 import kept
+import kept_test
 import scenes
 
 LUXEL = None
@@ -144,6 +146,61 @@ class Mutations(unittest.TestCase):
 class MutationsOfNodes(Mutations):
     """Where nodes name the lightmaps."""
     ARGUMENTS, HARM = ("--profile", "mx"), {**HARM, **HARM_OF_NODES}
+
+
+def first_array(name):
+    """The accessor of a mesh that Draco held."""
+    def find(document):
+        primitive = next(p for mesh in document["meshes"] for p in mesh["primitives"] if kept.DRACO in p.get("extensions", {}))
+        return primitive["indices"] if name == "indices" else primitive["attributes"][name]
+    return find
+
+
+def start_of(document, name):
+    accessor = document["accessors"][first_array(name)(document)]
+    return document["bufferViews"][accessor["bufferView"]]["byteOffset"] + accessor.get("byteOffset", 0)
+
+
+def moved_place(document, body):
+    """A corner of the sphere, of radius 1, by 3 of the 16,383 steps across it."""
+    at = start_of(document, "POSITION")
+    value, = struct.unpack_from("<f", body, at)
+    struct.pack_into("<f", body, at, value + 3 * 2 / 16383)
+
+
+def swapped_places(document, body):
+    """Of two vertices: all numbers are there, but elsewhere."""
+    at = start_of(document, "POSITION")
+    body[at:at + 12], body[at + 600:at + 612] = body[at + 600:at + 612], body[at:at + 12]
+
+
+def turned_draco(document, body):
+    at, size = start_of(document, "indices"), gltf_file.COMPONENT_BYTES[document["accessors"][first_array("indices")(document)]["componentType"]]
+    body[at:at + size], body[at + size:at + 2 * size] = body[at + size:at + 2 * size], body[at:at + size]
+
+
+def shorter_draco(document, _):
+    document["accessors"][first_array("indices")(document)]["count"] -= 3
+
+
+@unittest.skipUnless(scenes.has_modules(), "Node or its packages are missing: tools/setup.sh consumers")
+class MutationsOfDraco(unittest.TestCase):
+    """What Draco has rounded and put into another order: less than its rounding is not noticed, all else is."""
+    HARM = {"a place": moved_place, "two places": swapped_places, "the winding": turned_draco, "a triangle": shorter_draco}
+
+    def test_every_harm_is_noticed(self):
+        before = gltf_file.GltfFile(os.path.join(scenes.ROOT, "samples", "sphere", "sphere.gltf"))
+        with tempfile.TemporaryDirectory(prefix="luxel-mutations-") as folder:
+            baked, harmed = os.path.join(folder, "baked.glb"), os.path.join(folder, "harmed.glb")
+            scenes.bake(LUXEL, before.path, baked, "--draco")
+            plain = kept_test.unpacked(baked, folder)
+            for name, harm in {"nothing": lambda document, body: None, **self.HARM}.items():
+                document, body = copy.deepcopy(plain.json), bytearray(plain.body)
+                harm(document, body)
+                gltf_file.write_glb(harmed, document, bytes(body))
+                lines = kept.differences(before, before, gltf_file.GltfFile(harmed), is_packed=True)
+                with self.subTest(name):
+                    self.assertEqual(bool(lines), name != "nothing", lines)
 
 
 if __name__ == "__main__":

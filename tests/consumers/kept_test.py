@@ -37,6 +37,19 @@ def decoded(source, folder):
     return gltf_file.GltfFile(target)
 
 
+def unpacked(path, folder):
+    """A baked model with its arrays decoded. Everything else is as the file has it: Node would round large numbers."""
+    file = gltf_file.GltfFile(path)
+    if not is_compressed(file.json):
+        return file
+    plain = decoded(path, folder)
+    for accessor, other in zip(file.items("accessors"), plain.items("accessors")):
+        accessor.update({key: other[key] for key in ("bufferView", "byteOffset", "count") if key in other})
+    file.json.update({key: plain.json[key] for key in ("bufferViews", "buffers")})
+    file.body = plain.body
+    return file
+
+
 def check(luxel, source, ways):
     """Bakes one scene in these ways; returns the lines of what is wrong."""
     wrong = []
@@ -47,10 +60,12 @@ def check(luxel, source, ways):
             print(f"{source}: left out, compressed, and decoders are missing (tools/setup.sh consumers)", flush=True)
             return []
         for way in ways:
+            if way.is_packed and not scenes.has_modules():
+                continue
             output = os.path.join(folder, way.name, "baked" + way.suffix)
             try:
                 scenes.bake(luxel, source, output, "--work", os.path.join(folder, "work"), *way.arguments)
-                wrong += [f"{way.name}: {line}" for line in kept.differences(before, values, gltf_file.GltfFile(output))]
+                wrong += [f"{way.name}: {line}" for line in kept.differences(before, values, unpacked(output, folder), way.is_packed)]
             except (RuntimeError, ValueError, OSError) as error:
                 wrong.append(f"{way.name}: {error}")
     return wrong

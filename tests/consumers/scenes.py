@@ -25,6 +25,10 @@ class Way(typing.NamedTuple):
     arguments: tuple = ()
     warnings: tuple = ()  # codes of the validator that this way cannot avoid, with the reason at its line
 
+    @property
+    def is_packed(self):
+        return bool({"--draco", "--meshopt"} & set(self.arguments))
+
 
 ALL_WAYS = [
     Way("glb", ".glb"),
@@ -37,6 +41,9 @@ ALL_WAYS = [
     Way("mx", ".glb", ("--profile", "mx")),
     # Hubs loads one file, and a picture inside a GLB must have a type: image/vnd.radiance is not one of glTF's
     Way("hubs", ".glb", ("--profile", "hubs"), ("VALUE_NOT_IN_LIST",)),
+    Way("draco", ".glb", ("--draco",)),
+    Way("meshopt", ".gltf", ("--meshopt",)),
+    Way("mx-packed", ".glb", ("--profile", "mx", "--draco", "--meshopt")),
     Way("unlit", ".glb", ("--unlit",)),
 ]
 
