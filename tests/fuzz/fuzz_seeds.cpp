@@ -13,6 +13,7 @@
 #include "formats/bake/patches_file.h"
 #include "formats/bake/sky_view_file.h"
 #include "formats/base/compress.h"
+#include "formats/image/image_file.h"
 #include "tests/fuzz/fuzz_file.h"
 #include "tests/fuzz/fuzz_scene.h"
 #include "tests/fuzz/geometry_seeds.h"
@@ -175,6 +176,16 @@ void stages(const Seeds& seeds) {
     seeds.write_file("stage_files_fuzz", "checkpoint", {5, 3});
 }
 
+/// What is read by the module, but for WebP, which nothing here writes: the corpus has some.
+void module_pictures(const Seeds& seeds) {
+    constexpr std::uint32_t width = 11, height = 9;
+    Bytes samples;
+    for (std::uint32_t k = 0; k < 4 * width * height; ++k) samples.push_back(static_cast<std::uint8_t>(k * 77));
+    seeds.write("image_module_fuzz", "runs.hdr", {}, encode_hdr(width, height, samples, {"irradiance", "lux", "rgbe", 1, "fuzz_seeds", {}}));
+    seeds.write("image_module_fuzz", "plain.hdr", {}, encode_hdr(3, height, std::span(samples).first(4 * 3 * height), {"irradiance", "lux", "rgbe", 1, "fuzz_seeds", {}}));
+    seeds.write("image_module_fuzz", "cmyk.jpg", {}, test::make_jpeg(width, height, test::JpegColour::cmyk, false, samples));
+}
+
 void pictures(const Seeds& seeds) {
     constexpr std::uint32_t width = 11, height = 9;
     const auto write = [&](const std::string& name, const Bytes& bytes) { seeds.write("image_fuzz", name, {}, bytes); };
@@ -232,6 +243,7 @@ int main(int count, char** arguments) {
     luxel::fuzz::sky_view(seeds);
     luxel::fuzz::stages(seeds);
     luxel::fuzz::pictures(seeds);
+    luxel::fuzz::module_pictures(seeds);
     for (const auto& [name, bytes] : luxel::fuzz::gltf_seeds()) seeds.write("gltf_fuzz", name + ".glb", {}, bytes);
     for (const auto& [name, bytes] : luxel::fuzz::draco_seeds()) seeds.write("draco_fuzz", name, {}, bytes);
     for (const auto& [name, bytes] : luxel::fuzz::meshopt_seeds()) seeds.write("meshopt_fuzz", name, {}, bytes);

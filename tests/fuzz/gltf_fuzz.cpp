@@ -1,13 +1,11 @@
 /// Any bytes as a glTF file: the reader answers with a scene or with Error{bad_input}, nothing else, and what it gives
 /// keeps the promises of scene_record.h. External files are out of reach: the folder does not exist.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "baker/scene/scene_build.h"
 #include "formats/gltf/gltf_in.h"
-#include "tests/fuzz/gltf_mutator.h"
 
 namespace {
 
@@ -38,16 +36,6 @@ std::optional<luxel::DecodedImage> decode(luxel::ByteView bytes, const std::stri
 }
 
 }  // namespace
-
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t room);
-
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t room, unsigned seed) {
-    if (seed % 4 == 0) return LLVMFuzzerMutate(data, size, room);
-    const luxel::Bytes changed = luxel::fuzz::mutate_gltf({data, size}, room, seed, LLVMFuzzerMutate);
-    if (changed.empty()) return LLVMFuzzerMutate(data, size, room);
-    std::copy(changed.begin(), changed.end(), data);
-    return changed.size();
-}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     try {

@@ -1,5 +1,6 @@
 #include "tests/fuzz/gltf_mutator.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -139,3 +140,13 @@ Bytes mutate_gltf(ByteView input, std::size_t room, std::uint32_t seed, ByteMuta
 }
 
 }  // namespace luxel::fuzz
+
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t room);
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t room, unsigned seed) {
+    if (seed % 4 == 0) return LLVMFuzzerMutate(data, size, room);
+    const luxel::Bytes changed = luxel::fuzz::mutate_gltf({data, size}, room, seed, LLVMFuzzerMutate);
+    if (changed.empty()) return LLVMFuzzerMutate(data, size, room);
+    std::copy(changed.begin(), changed.end(), data);
+    return changed.size();
+}
