@@ -19,6 +19,7 @@ import zlib
 import cli_test
 from cli_test import BAD_INPUT, FURNACE, SAMPLES, SMALL, read
 
+FUZZ_CORPUS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fuzz", "corpus")
 LONGEST_S = 30
 MOST_EXTRA_MEMORY = 100 << 20   # over what the whole scene takes
 
@@ -321,10 +322,21 @@ meshopt("meshopt: a mode that nobody knows", "meshopt", mode="MAGIC")
 meshopt("meshopt: bytes beyond the buffer", "meshopt", byteLength=4800)
 
 
-@case("Draco: bytes that are none", "Draco")
-def _(made):
-    made.primitive()["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}}
-    made.json["extensionsUsed"].append("KHR_draco_mesh_compression")
+def draco(name, stream, *words):
+    def change(made):
+        made.json["bufferViews"].append({"buffer": 0, "byteOffset": len(made.bytes), "byteLength": len(stream)})
+        made.bytes += stream
+        made.json["buffers"][0]["byteLength"] = len(made.bytes)
+        made.primitive()["extensions"] = {"KHR_draco_mesh_compression": {
+            "bufferView": len(made.json["bufferViews"]) - 1, "attributes": {"POSITION": 0}}}
+        made.json["extensionsUsed"].append("KHR_draco_mesh_compression")
+    CASES.append((name, change, words))
+
+
+draco("Draco: bytes that are none", bytes(48), "Draco")
+draco("Draco: 2^29 - 1 triangles in 25 bytes", b"DRACO\2\2\1\0\0\0" + 2 * b"\xff\xff\xff\xff\1" + bytes(4), "Draco", "536870911 triangles")
+draco("Draco: 10^9 orientations in 700 bytes", read(os.path.join(FUZZ_CORPUS, "draco", "found_orientations"))[3:],
+      "Draco", "1380197517 orientations")
 
 
 # --- the container
