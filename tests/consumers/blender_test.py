@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 
+import scene_loop
 import scenes
 
 PYTHON = os.path.join(scenes.MODULES, "blender", "bin", "python")
@@ -37,15 +38,10 @@ def main():
     luxel = sys.argv[1]
     if not os.path.exists(PYTHON):
         scenes.skip("Blender's Python module is missing: tools/setup.sh consumers")
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="luxel-blender-") as folder:
         sources = [os.path.join(scenes.ROOT, "samples", name, name + ".gltf") for name in ("cornell_box", "painted_room")]
         sources += [path for path in scenes.foreign_scenes() if os.path.basename(path) in ("staircase.glb", "house.glb", "lq_e1m1.glb")]
-        for source in sources:
-            wrong = check(luxel, source, folder)
-            failed += bool(wrong)
-            print(f"{'WRONG' if wrong else 'kept':8}{os.path.relpath(source, scenes.ROOT)}", *wrong, sep="\n    ", flush=True)
-    sys.exit(1 if failed else 0)
+        scene_loop.end_with([(source,) for source in sources], lambda source: check(luxel, source, folder), bad="WRONG")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import tempfile
 
 import everything
 import gltf_file
+import scene_loop
 import scenes
 from lightmap_set import lightmap_set, lost, moved
 
@@ -66,7 +67,9 @@ def decoded(path, folder):
     return target
 
 
-def check(source, baked, folder):
+def check(luxel, folder, source, way):
+    baked = os.path.join(folder, way.name, "baked.glb")
+    scenes.bake(luxel, source, baked, *way.arguments)
     wrong, before, target = [], lightmap_set(baked), os.path.join(folder, "converted.glb")
     for name, command in {**KEEPING, **LOSING}.items():
         if (os.path.basename(source), name) in IMPOSSIBLE:
@@ -88,7 +91,6 @@ def main():
     luxel = sys.argv[1]
     if not scenes.has_modules():
         scenes.skip("node or its packages are missing: tools/setup.sh consumers")
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="luxel-converters-") as folder:
         sources = [os.path.join(scenes.ROOT, "samples", name, name + ".gltf") for name in ("cornell_box", "painted_room", "corridor_4")]
         sources.append(everything.write(folder))
@@ -96,13 +98,7 @@ def main():
         jobs = [(source, scenes.ALL_WAYS[0]) for source in sources]
         # Neither knows lightmaps of nodes (docs/viewers.md).
         jobs += [(sources[0], way) for way in scenes.ways(luxel) if {"--lightmap-format", "--profile"} & set(way.arguments) and "mx" not in way.arguments]
-        for source, way in jobs:
-            baked = os.path.join(folder, way.name, "baked.glb")
-            scenes.bake(luxel, source, baked, *way.arguments)
-            wrong = check(source, baked, folder)
-            failed += bool(wrong)
-            print(f"{'LOST' if wrong else 'kept':8}{os.path.relpath(source, scenes.ROOT)} {way.name}", *wrong, sep="\n    ", flush=True)
-    sys.exit(1 if failed else 0)
+        scene_loop.end_with(jobs, lambda source, way: check(luxel, folder, source, way), bad="LOST")
 
 
 if __name__ == "__main__":

@@ -10,12 +10,12 @@ Without --all: a made model that has a bit of everything, and samples, as .glb, 
 """
 import argparse
 import os
-import sys
 import tempfile
 
 import everything
 import gltf_file
 import kept
+import scene_loop
 import scenes
 
 
@@ -85,12 +85,7 @@ def main():
             if not foreign:
                 scenes.skip(f"no scenes in {scenes.scenes_folder()}; LUXEL_SCENES names their folder")
             paths += foreign
-        failed = 0
-        for path in (path for path in paths if options.only in path):
-            wrong = check(options.luxel, path, ways)
-            failed += bool(wrong)
-            print(f"{'CHANGED' if wrong else 'kept':8}{os.path.relpath(path, scenes.ROOT)}", *wrong, sep="\n    ", flush=True)
-    sys.exit(1 if failed else 0)
+        scene_loop.end_with([(path,) for path in paths if options.only in path], lambda path: check(options.luxel, path, ways))
 
 
 if __name__ == "__main__":

@@ -12,12 +12,12 @@ import argparse
 import json
 import os
 import re
-import sys
 import tempfile
 
 import everything
 import gltf_file
 import kept_test
+import scene_loop
 import scenes
 
 
@@ -70,13 +70,9 @@ def main():
     options = parser.parse_args()
     if not scenes.has_modules():
         scenes.skip("node or its packages are missing: tools/setup.sh consumers")
-    failed = 0
     with tempfile.TemporaryDirectory(prefix="luxel-everything-") as folder:
-        for path in (path for path in [everything.write(folder), *scenes.samples(), *scenes.foreign_scenes()] if options.only in path):
-            wrong = check(options.luxel, path)
-            failed += bool(wrong)
-            print(f"{'ISSUES' if wrong else 'clean':8}{os.path.relpath(path, scenes.ROOT)}", *wrong, sep="\n    ", flush=True)
-    sys.exit(1 if failed else 0)
+        paths = [everything.write(folder), *scenes.samples(), *scenes.foreign_scenes()]
+        scene_loop.end_with([(path,) for path in paths if options.only in path], lambda path: check(options.luxel, path), "clean", "ISSUES")
 
 
 if __name__ == "__main__":
