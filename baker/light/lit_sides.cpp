@@ -156,7 +156,7 @@ struct Sides {
     [[nodiscard]] double brighter() const { return std::max(front, back); }
 };
 
-Sides look_at(const Scene& scene, const Paths& paths, std::span<const std::uint32_t> triangles, std::uint64_t seed) {
+Sides look_at(const Scene& scene, const Paths& paths, std::span<const std::uint32_t> triangles, std::uint64_t seed, bool find_unlit) {
     const bool is_two_sided = scene.object_of(triangles.front()).double_sided;
     WeightedTriangles places;
     for (const std::uint32_t t : triangles) places.add(t, scene.area_m2(t));
@@ -169,7 +169,7 @@ Sides look_at(const Scene& scene, const Paths& paths, std::span<const std::uint3
         const Vec3f normal = scene.geometric_normal(triangle);
         paths.add({triangle, b, normal}, mix(seed, 1), k, front);
         if (is_two_sided) paths.add({triangle, b, -normal}, mix(seed, 2), k, back);
-        if ((k + 1) % paths_at_once == 0 && front.light >= clear_share * back.light)
+        if ((k + 1) % paths_at_once == 0 && front.light >= clear_share * back.light && (front.light > 0 || !find_unlit))
             return {front.light / (k + 1), back.light / (k + 1), 0, places.sum()};
     }
     const double share = front.depth_m < crack_depth * back.depth_m ? crack_share : dark_share;
@@ -191,9 +191,10 @@ double usual_light(std::span<const Sides> charts) {
 
 }  // namespace
 
-DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer& tracer) {
+DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer& tracer, bool find_unlit) {
     DarkFronts found;
     found.charts.assign(atlas.charts.size(), false);
+    if (find_unlit) found.unlit.assign(atlas.charts.size(), false);
     const Paths paths(scene, tracer);
     if (paths.is_dark()) return found;
     std::vector<std::vector<std::uint32_t>> triangles(atlas.charts.size());
@@ -205,8 +206,10 @@ DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer
     parallel_for(triangles.size(), 16, [&](std::size_t c) {
         if (triangles[c].empty()) return;
         const Chart& chart = atlas.charts[c];
-        sides[c] = look_at(scene, paths, triangles[c], mix(mix(scene.objects[chart.object].path_hash, chart.ordinal), purpose));
+        sides[c] = look_at(scene, paths, triangles[c], mix(mix(scene.objects[chart.object].path_hash, chart.ordinal), purpose), find_unlit);
     });
+    if (find_unlit)
+        for (std::size_t c = 0; c < sides.size(); ++c) found.unlit[c] = !triangles[c].empty() && sides[c].front <= 0;
     const double usual = usual_light(sides);
     for (std::size_t c = 0; c < sides.size(); ++c) {
         if (!(sides[c].front < sides[c].dark_share * std::min(sides[c].back, usual))) continue;

@@ -8,6 +8,7 @@
 #include "formats/base/error.h"
 #include "tools/luxel/bake_command.h"
 #include "tools/luxel/inspect_command.h"
+#include "tools/luxel/plan_command.h"
 #include "tools/luxel/printable.h"
 
 namespace {
@@ -39,6 +40,7 @@ int parse_and_run(int argc, char** argv) {
     program.set_version_flag("--version", "luxel " LUXEL_VERSION);
     program.require_subcommand(1);
     luxel::add_bake_command(program, exit_code);
+    luxel::add_plan_command(program, exit_code);
     luxel::add_inspect_command(program, exit_code);
     try {
         program.parse(argc, argv);

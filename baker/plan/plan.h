@@ -1,0 +1,22 @@
+/// Reads a scene as a bake would, up to its patches, and says what will run, how much there is of everything, and what is wrong with it.
+#pragma once
+#include "baker/bake/bake.h"
+#include "baker/plan/findings.h"
+
+namespace luxel {
+
+struct PlanReport {
+    std::uint64_t triangles = 0, charts = 0, pages = 0, texels = 0, patches = 0, chunks = 0;
+    double texels_per_metre = 0;
+    std::uint64_t geometry_bytes = 0;  ///< resident, which --memory does not count
+    std::vector<StageReport> stages;
+    std::vector<Decision> decisions;
+    std::vector<SceneFinding> findings;  ///< of the scene, then of its light
+    std::vector<Warning> warnings;  ///< of the reader and the unwrapper, as a bake has them
+};
+
+/// `options` are those of the bake; their output is not written, and may be empty. With a bake folder (`options.work`) the atlas is kept
+/// there, so that the bake finds it. Throws what reading throws. Threads: uses options.threads.
+PlanReport plan_bake(const BakeOptions& options);
+
+}  // namespace luxel
