@@ -13,7 +13,7 @@
 ///
 /// `picture`: what the model's textures hold, in any format (page_picture.h), with `range` where its decoding needs one, and how far it is from
 /// `exr`; `png`: the same again where the format is a PNG, for readers of the time when all of them were.
-/// `profile`: for which viewers the model's materials are made (viewer_profile.h); it changes their intensities, never the ones here.
+/// `profile`: for which viewers the model is made (viewer_profile.h): of `mx` nodes name the pages, of others materials. It changes the intensities there, never the ones here.
 /// `layers`: further layers of the page (layers.h), each a part of that name in one OpenEXR file; a part without `unit` is a number.
 /// Pages that are not final have a member `state` after `generator`: "preview", or "stopped" by the user.
 /// A value in `unit` is decode(sample) * intensity (docs/lightmap-formats.md). `uri` is relative to the sidecar and percent-encoded; absent when

@@ -21,7 +21,8 @@ import scenes
 
 VIEW = {"from": [0.278, 0.273, -0.8], "at": [0.278, 0.273, 0.2], "fov": 39}
 BAKE = ("--quality", "draft", "--texels-per-metre", "120", "--rays", "256")
-KINDS = [scenes.Way("srgb8", ".glb", ("--encoding", "srgb8")), scenes.Way("linear8", ".glb", ("--encoding", "linear8"))]
+KINDS = [scenes.Way("srgb8", ".glb", ("--encoding", "srgb8")), scenes.Way("linear8", ".glb", ("--encoding", "linear8")),
+         scenes.Way("mx, several pages", ".glb", ("--profile", "mx", "--atlas-size", "128", "--padding", "1"))]
 TOLERANCE = 0.02
 # Lit: at least this share of the page's largest value. Half a step of a linear byte is 1 % there.
 LIT = 0.2
