@@ -9,6 +9,14 @@ def corner_triangles(file, primitive, columns):
     return [of[at:at + 3] for at in range(0, len(of), 3)]
 
 
+def middles(file, primitive):
+    """Of its triangles; none of points and lines."""
+    if not file.triangles(primitive):
+        return []
+    triangles = corner_triangles(file, primitive, [file.numbers(primitive["attributes"]["POSITION"])])
+    return [tuple(sum(corner[0][axis] for corner in triangle) / 3 for axis in range(3)) for triangle in triangles]
+
+
 def has_three_places(triangle):
     return len(set(triangle)) == 3
 

@@ -20,7 +20,7 @@ import copy
 import struct
 
 import rounding
-from corner_lists import corner_triangles, has_three_places, in_order, turned
+from corner_lists import corner_triangles, has_three_places, in_order, middles, turned
 
 DRACO = "KHR_draco_mesh_compression"
 COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", DRACO}
@@ -79,6 +79,7 @@ def uses_second_set(value):
 class _Comparison:
     def __init__(self, before, values, after, is_packed):
         self.before, self.values, self.after, self.is_packed, self.lines = before, values, after, is_packed, []
+        self.rounded = set()     # arrays that have been compared, where Draco has rounded them
         self.extent = 0          # of the mesh that is compared
         self.is_on_node = False  # of the mesh that is compared: its node names the lightmap
         self.relaid = {node["mesh"] for node in before.items("nodes") if "mesh" in node and OF_NODE in node.get("extensions", {})}
@@ -233,20 +234,24 @@ class _Comparison:
 
     def joined(self, old, meshes):
         """The primitives of meshes that are one mesh by lightmap page, in the order of that mesh."""
-        rests, found = [list(mesh["primitives"]) for mesh in meshes], []
+        rests, found, extent = [list(mesh["primitives"]) for mesh in meshes], [], self.mesh_extent(old)
         for primitive in old["primitives"]:
-            values = self.values_of(primitive)
-            own = set(self.corners(self.values, values, [values["attributes"]["POSITION"]])) if self.values.triangles(values) else set()
+            own = middles(self.values, self.values_of(primitive))
             for rest in rests:
-                if rest and self.is_part_of(own, rest[0]):
+                if rest and self.is_part_of(primitive, own, rest[0], extent if self.is_draco(rest[0]) else 0):
                     found.append(rest.pop(0))
         return found + sum(rests, [])
 
-    def is_part_of(self, own, part):
-        """Is the first triangle of `part` among `own`? What has no triangles is where it was."""
-        if not self.after.triangles(part):
-            return not own
-        return bool(own) and self.corners(self.after, part, [part["attributes"]["POSITION"]])[0] in own
+    def is_part_of(self, primitive, own, part, extent):
+        """Is the first triangle of `part` where one of `own` is, of the same material or a clone? What has no triangles is where it was."""
+        first, material = middles(self.after, part)[:1], part.get("material")
+        if not own or not first or material != primitive.get("material") and material in range(len(self.before.items("materials"))):
+            return not own and not first
+        step = rounding.allowed("POSITION", own, True, extent)
+        return any(all(abs(a - b) <= 2 * step for a, b in zip(middle, first[0])) for middle in own)
+
+    def mesh_extent(self, mesh):
+        return rounding.extent([row for item in map(self.values_of, mesh["primitives"]) for row in self.values.numbers(item["attributes"]["POSITION"])])
 
     def copies(self, where, old, shown):
         """Copies of a node, which the nodes `shown` show together: each with all its attributes, in any order."""
@@ -296,8 +301,7 @@ class _Comparison:
         self.same(where, without(old, "primitives"), without(new, "primitives"))
         rest = list(new["primitives"])
         if any(map(self.is_draco, rest)):
-            places = [row for item in map(self.values_of, old["primitives"]) for row in self.values.numbers(item["attributes"]["POSITION"])]
-            self.extent = rounding.extent(places)
+            self.extent = self.mesh_extent(old)
         for index, primitive in enumerate(old["primitives"]):
             here = f"{where}/primitives/{index}"
             if not rest:
@@ -454,6 +458,10 @@ class _Comparison:
 
     def rounded_parts(self, where, old, parts, triples):
         """Corners with all attributes, where Draco has put them into another order and rounded them. triples: name, accessor, those of the parts."""
+        key = repr([[item["attributes"], item.get("indices"), item.get("targets")] for item in (old, *parts)])
+        if key in self.rounded:
+            return  # several nodes show these arrays
+        self.rounded.add(key)
         before, after, place = [], [[] for _ in parts], 0
         for column, (name, accessor, copies) in enumerate(triples):
             rows, is_float = self.values.numbers(accessor), self.before.items("accessors")[accessor]["componentType"] == 5126
