@@ -2,6 +2,11 @@
 import collections
 
 
+def all_triangles(file, primitive):
+    """How many."""
+    return len(file.triangles(primitive) or []) // 3
+
+
 def corner_triangles(file, primitive, columns):
     """Per triangle of a primitive of a GltfFile its three corners, each with the elements of all columns, which have one per vertex."""
     vertices = list(zip(*columns))

@@ -20,7 +20,7 @@ import copy
 import struct
 
 import rounding
-from corner_lists import corner_triangles, has_three_places, in_order, middles, turned
+from corner_lists import all_triangles, corner_triangles, has_three_places, in_order, middles, turned
 
 DRACO = "KHR_draco_mesh_compression"
 COMPRESSION = {"EXT_meshopt_compression", "KHR_meshopt_compression", DRACO}
@@ -199,13 +199,14 @@ class _Comparison:
             self.say("nodes", f"there were {count}, there are {len(nodes)}; of them {sorted(added)} belong to none")
 
     def shown_meshes(self, where, old, shown):
-        """What the nodes `shown` show together is the mesh of the node `old`: copies of it whole, pages of it in parts."""
         self.copies(where, old, shown)
         if any(("mesh" in old) != ("mesh" in item) for item in shown):
             self.say(where, "its mesh was lost or added")
-            return
-        if "mesh" not in old:
-            return
+        elif "mesh" in old:
+            self.meshes_of_node(where, old, shown)
+
+    def meshes_of_node(self, where, old, shown):
+        """What the nodes `shown` show together is the mesh of the node `old`: copies of it whole, pages of it in parts."""
         lightmaps = [item.get("extensions", {}).get(OF_NODE) for item in shown]
         if any(lightmaps) and not all(lightmaps):
             self.say(where, "a part of it has no lightmap")
@@ -310,11 +311,11 @@ class _Comparison:
             if self.has_no_layout(primitive, rest[0]):
                 self.unchanged(here, primitive, rest.pop(0))
                 continue
-            counted = self.own_triangles if any(self.is_draco(item) for item in rest) else self.all_triangles
+            counted = self.own_triangles if any(self.is_draco(item) for item in rest) else all_triangles
             parts, wanted = [], counted(self.values, self.values_of(primitive))
             while rest and wanted > 0:
                 parts.append(rest.pop(0))
-                wanted -= (self.all_triangles if self.is_draco(parts[-1]) else counted)(self.after, parts[-1])
+                wanted -= (all_triangles if self.is_draco(parts[-1]) else counted)(self.after, parts[-1])
             if wanted:
                 self.say(here, f"{wanted} triangles are missing")
             self.parts(here, primitive, parts, is_relaid)
@@ -325,14 +326,10 @@ class _Comparison:
     def is_draco(primitive):
         return DRACO in primitive.get("extensions", {})
 
-    @staticmethod
-    def all_triangles(file, primitive):
-        return len(file.triangles(primitive) or []) // 3
-
     def own_triangles(self, file, primitive):
         """Those that Draco keeps: all where there are morph targets, else those with three places."""
         if "targets" in primitive or not file.triangles(primitive):
-            return self.all_triangles(file, primitive)
+            return all_triangles(file, primitive)
         return sum(has_three_places(triangle) for triangle in corner_triangles(file, primitive, [file.elements(primitive["attributes"]["POSITION"])]))
 
     def has_no_layout(self, old, new):
@@ -363,7 +360,7 @@ class _Comparison:
 
     def indices(self, where, old, new):
         """Of a primitive that is as it was; meshopt may begin a triangle with another corner."""
-        if not self.is_packed or self.all_triangles(self.after, new) == 0:
+        if not self.is_packed or all_triangles(self.after, new) == 0:
             self.array(where, old["indices"], new["indices"])
             return
         self.described(where, old["indices"], new["indices"])
