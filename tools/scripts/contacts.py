@@ -188,7 +188,7 @@ def main():
             views = {name: render.View(path) for name, path in paths.items()}
             if scene == "corner":
                 views["path tracing"] = TrueView(paths["medium"])
-            picture(views, camera, os.path.join(options.out, scene + ".jpg"))
+            picture(views, camera, os.path.join(options.out, scene + ".png"))
             if scene == "corner":
                 report_corner(folder, paths)
             if scene == "foot":

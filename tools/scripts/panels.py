@@ -20,7 +20,10 @@ def sheet(views, camera, exposure, size, columns):
 
 
 def save(picture, target, most_bytes):
-    """A JPEG as good as `most_bytes` allow."""
+    """A JPEG as good as `most_bytes` allow, or a PNG of 128 colours."""
+    if target.endswith(".png"):
+        picture.quantize(128).save(target, optimize=True)
+        return
     for quality in range(92, 20, -6):
         picture.save(target, quality=quality, optimize=True)
         if os.path.getsize(target) <= most_bytes:
