@@ -124,15 +124,31 @@ void ModelFiles::take_pictures_along(const SceneRecord& record) {
             bytes = record.images[index].bytes;
             if (mime_type.empty()) mime_type = record.images[index].mime_type;
         } else {
-            try {
-                kept_.push_back(read_uri(model_.document, uri, where, mime_type.empty() ? &mime_type : nullptr));
-                bytes = kept_.back();
-            } catch (const Error& error) {
-                model_.warnings.push_back({"picture-left-behind", where, error.what_text + "; its URI is kept"});
-                continue;
-            }
+            const auto found = read_picture(image, where, mime_type);
+            if (!found) continue;
+            bytes = *found;
         }
         take_picture(image, index, bytes, mime_type);
+    }
+}
+
+void ModelFiles::take_data_pictures_inside() {
+    for (std::size_t index = 0; index < gltf_count(model_.root, "images"); ++index) {
+        json& image = model_.root["images"][index];
+        const std::string where = model_.document.name + ": " + gltf_name(image, "image", static_cast<std::int64_t>(index));
+        if (!json_text(image, "uri", "", where).starts_with("data:")) continue;
+        std::string mime_type = json_text(image, "mimeType", "", where);
+        if (const auto bytes = read_picture(image, where, mime_type)) take_picture(image, index, *bytes, mime_type);
+    }
+}
+
+std::optional<ByteView> ModelFiles::read_picture(const json& image, const std::string& where, std::string& mime_type) {
+    try {
+        kept_.push_back(read_uri(model_.document, image["uri"].get<std::string>(), where, mime_type.empty() ? &mime_type : nullptr));
+        return kept_.back();
+    } catch (const Error& error) {
+        model_.warnings.push_back({"picture-left-behind", where, error.what_text + "; its URI is kept"});
+        return std::nullopt;
     }
 }
 

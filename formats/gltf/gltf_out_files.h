@@ -6,6 +6,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ class ModelFiles {
     /// Takes pictures outside the file along: into a GLB, or beside a .gltf in another folder. Those which cannot be
     /// read keep their URI; a warning says so.
     void take_pictures_along(const SceneRecord& record);
+    /// Puts pictures that are data URIs into a GLB; its other pictures stay where they are.
+    void take_data_pictures_inside();
     /// "<stem><suffix>" of the output, or a longer one where that is a file of the input: it must survive.
     [[nodiscard]] std::string free_name(const std::string& suffix) const;
     /// Sets offsets and buffers, and publishes; returns the files, the model first.
@@ -37,6 +40,8 @@ class ModelFiles {
         std::filesystem::path path;
         std::vector<ByteView> parts;
     };
+    /// The bytes of an image outside the file; nothing, with a warning, if they cannot be read. Sets an empty type to what the URI says.
+    std::optional<ByteView> read_picture(const nlohmann::json& image, const std::string& where, std::string& mime_type);
     void take_picture(nlohmann::json& image, std::size_t index, ByteView bytes, const std::string& mime_type);
     void lay_out_views();
     void add_buffers(std::uint64_t unpacked_bytes);

@@ -125,7 +125,9 @@ class PartWriter {
             if (images.contains(page_images_[page])) written.pages.push_back(static_cast<std::uint32_t>(page));
         if (packing_.meshopt) pack_meshopt(target);
         written.file = folder_ / files_.free_name(suffix);
-        ModelFiles(written.file, target).write();
+        ModelFiles file(written.file, target);
+        file.take_data_pictures_inside();
+        file.write();
         out_.warnings.insert(out_.warnings.end(), target.warnings.begin(), target.warnings.end());
         return written;
     }
