@@ -1,19 +1,14 @@
 #include "baker/bake/bake.h"
 
-#include <malloc.h>
-
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/light_stages.h"
-#include "baker/bake/memory_plan.h"
+#include "baker/bake/memory_demand.h"
 #include "baker/bake/solve_rounds.h"
 #include "baker/bake/stopping.h"
 #include "baker/bake/unlit_stage.h"
 #include "baker/bake/verify.h"
 #include "baker/bake/write_stage.h"
-#include "baker/core/memory.h"
 #include "baker/core/parallel.h"
-#include "baker/light/pane_colour.h"
-#include "baker/output/seam_join.h"
 #include "formats/base/file.h"
 
 namespace luxel {
@@ -79,26 +74,7 @@ BakeReport bake(const BakeOptions& options) {
 
     const auto geometry = prepare_geometry(options, folder, clock, report);
     report.geometry_bytes = geometry->resident_bytes();
-    ::malloc_trim(0);  // what the stages have freed is not needed, and would make the floor a matter of luck
-    const std::uint64_t resident = resident_bytes_now();
-    const auto beside_geometry = [&](std::uint64_t bytes) { return bytes > report.geometry_bytes ? bytes - report.geometry_bytes : 0; };
-    const MemoryPlan plan = plan_memory(options.memory_bytes, {.fixed_bytes = beside_geometry(resident),
-                                                               .past_peak_bytes = beside_geometry(report.peak_bytes),
-                                                               .patch_count = geometry->patches.count(),
-                                                               .chunk_patches = options.chunk_patches,
-                                                               .page_size = geometry->atlas.page_size,
-                                                               .page_count = geometry->atlas.page_count,
-                                                               .threads = threads.threads(),
-                                                               .solver = options.solver,
-                                                               .gathers = options.gather_rays > 0,
-                                                               .refines = options.gather_rays > 0 && options.error > 0,
-                                                               .previews = options.preview_s > 0,
-                                                               .seam_bytes = seam_join_bytes(geometry->seams),
-                                                               .layer_bytes_per_texel = layer_bytes_per_texel(options.layers),
-                                                               .picture_bytes_per_texel = picture_bytes_per_texel(options),
-                                                               .sky_width = geometry->scene.sky.width,
-                                                               .sky_height = geometry->scene.sky.height,
-                                                               .has_tinting_panes = has_tinting_panes(geometry->scene)});
+    const MemoryPlan plan = plan_memory(options.memory_bytes, memory_demand(options, *geometry, report, threads.threads()));
     report.floor_bytes = plan.floor_bytes;
 
     // Matrix and solution are gone before the pictures come: the floor counts only one of them.

@@ -1,11 +1,17 @@
 #include "baker/plan/plan.h"
 
-#include "baker/bake/geometry_stages.h"
+#include "baker/bake/memory_demand.h"
 #include "baker/core/parallel.h"
 #include "baker/plan/decisions.h"
 #include "baker/plan/lint.h"
 
 namespace luxel {
+namespace {
+
+/// Large enough for everything: only the floor is asked for.
+constexpr std::uint64_t any_budget = std::uint64_t{1} << 62;
+
+}  // namespace
 
 PlanReport plan_bake(const BakeOptions& options) {
     if (!std::filesystem::exists(options.input))
@@ -17,6 +23,8 @@ PlanReport plan_bake(const BakeOptions& options) {
     StageClock clock(options, report);
     PlanReport plan;
     const auto geometry = prepare_geometry(options, folder, clock, report);
+    report.geometry_bytes = plan.geometry_bytes = geometry->resident_bytes();
+    plan.floor_bytes = plan_memory(any_budget, memory_demand(options, *geometry, report, threads.threads())).floor_bytes;
     plan.decisions = decide(options, *geometry);
     clock.stage("lint", [&] {
         plan.findings = lint_scene(*geometry);
@@ -27,7 +35,6 @@ PlanReport plan_bake(const BakeOptions& options) {
     std::erase_if(report.warnings, [](const Warning& warning) { return warning.code == "dark-fronts"; });  // a finding already
     plan.triangles = report.triangles, plan.charts = report.charts, plan.pages = report.pages, plan.texels = report.texels;
     plan.patches = report.patches, plan.chunks = report.chunks, plan.texels_per_metre = report.texels_per_metre;
-    plan.geometry_bytes = geometry->resident_bytes();
     plan.stages = std::move(report.stages);
     plan.warnings = std::move(report.warnings);
     return plan;

@@ -9,6 +9,7 @@ struct PlanReport {
     std::uint64_t triangles = 0, charts = 0, pages = 0, texels = 0, patches = 0, chunks = 0;
     double texels_per_metre = 0;
     std::uint64_t geometry_bytes = 0;  ///< resident, which --memory does not count
+    std::uint64_t floor_bytes = 0;     ///< the least --memory that these options work with
     std::vector<StageReport> stages;
     std::vector<Decision> decisions;
     std::vector<SceneFinding> findings;  ///< of the scene, then of its light

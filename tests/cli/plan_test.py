@@ -24,6 +24,11 @@ class Plan(Case):
         done, plan = self.plan(two_rooms)
         self.assert_done(done)
         self.assertEqual(sorted(os.listdir(self.folder)), ["plan.json"])
+        # The bake works with just what the plan says, and not with less.
+        least = -(-plan["memory"]["floor_bytes"] >> 20)
+        small = ("bake", two_rooms, "-o", self.output, "--texels-per-metre", "8")
+        self.assert_refused(run(*small, "--memory", f"{least // 2}M"), cli_test.BUDGET_TOO_SMALL, "--memory")
+        self.assert_done(run(*small, "--memory", f"{least}M"))
         baked = run("bake", two_rooms, "-o", self.output, "--texels-per-metre", "8", "--quality", "draft", "--report", self.path("bake.json"))
         self.assert_done(baked)
         with open(self.path("bake.json"), encoding="utf-8") as file:

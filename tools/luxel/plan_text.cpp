@@ -9,9 +9,9 @@
 namespace luxel {
 
 std::string plan_text(const PlanReport& plan) {
-    std::string text = fmt::format("{} triangles in {} charts, {} texels at {:.4g} per metre on {} page{}, {} patches in {} chunk{}; geometry takes {} MB\n\n", plan.triangles,
+    std::string text = fmt::format("{} triangles in {} charts, {} texels at {:.4g} per metre on {} page{}, {} patches in {} chunk{}; geometry takes {} MB, and --memory {}M or more is needed beside it\n\n", plan.triangles,
                                    plan.charts, plan.texels, plan.texels_per_metre, plan.pages, plan.pages == 1 ? "" : "s", plan.patches, plan.chunks,
-                                   plan.chunks == 1 ? "" : "s", plan.geometry_bytes >> 20);
+                                   plan.chunks == 1 ? "" : "s", plan.geometry_bytes >> 20, (plan.floor_bytes + (1 << 20) - 1) >> 20);
     for (const Decision& decision : plan.decisions) text += fmt::format("  {:<4} {:<16} {}\n", decision.runs ? "runs" : "skip", decision.part, printable(decision.why));
     text += plan.findings.empty() ? "\nnothing found that should be mended\n" : "\n";
     for (const SceneFinding& finding : plan.findings) {
@@ -30,7 +30,7 @@ std::string plan_json(const PlanReport& plan, const std::vector<std::pair<std::s
     for (const auto& [name, value] : settings) out["settings"][name] = value;
     out["counts"] = {{"triangles", plan.triangles}, {"charts", plan.charts}, {"pages", plan.pages}, {"texels", plan.texels}, {"patches", plan.patches}, {"chunks", plan.chunks}};
     out["texels_per_metre"] = plan.texels_per_metre;
-    out["memory"] = {{"geometry_bytes", plan.geometry_bytes}};
+    out["memory"] = {{"geometry_bytes", plan.geometry_bytes}, {"floor_bytes", plan.floor_bytes}};
     out["decisions"] = json::array();
     for (const Decision& d : plan.decisions) out["decisions"].push_back({{"part", d.part}, {"runs", d.runs}, {"why", d.why}});
     out["findings"] = json::array();
