@@ -16,7 +16,7 @@ namespace {
 /// What to do where the place that found the fault has nothing better to say.
 const char* usual_hint(luxel::ErrorCode code) {
     switch (code) {
-        case luxel::ErrorCode::usage: return "luxel bake --help lists all options";
+        case luxel::ErrorCode::usage: return "luxel bake --help, or that of another command, lists all options";
         case luxel::ErrorCode::bad_input: return "the file is damaged or does not follow its format; export it again";
         case luxel::ErrorCode::not_in_build: return "build luxel with this part";
         case luxel::ErrorCode::cannot_write: return "check the path, its permissions and the free space";
@@ -47,7 +47,7 @@ int parse_and_run(int argc, char** argv) {
     } catch (const CLI::Success& done) {
         return program.exit(done);  // --help, --version
     } catch (const CLI::ParseError& error) {
-        std::fprintf(stderr, "luxel: error: command line: %s\n       luxel bake --help lists all options\n", error.what());
+        std::fprintf(stderr, "luxel: error: command line: %s\n       luxel bake --help, or that of another command, lists all options\n", error.what());
         return static_cast<int>(luxel::ErrorCode::usage);
     }
     return exit_code;
