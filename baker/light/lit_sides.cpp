@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
-#include <optional>
 
 #include "baker/core/parallel.h"
 #include "baker/core/sampling.h"
@@ -64,8 +64,8 @@ struct PathPoint {
 
 class Paths {
   public:
-    Paths(const Scene& scene, const Tracer& tracer) : scene_(scene), tracer_(tracer), lamps_(scene, tracer) {
-        if (!scene.sky.empty()) sky_.emplace(scene.sky);
+    Paths(const Scene& scene, const Tracer& tracer)
+        : scene_(scene), tracer_(tracer), lamps_(scene, tracer), sky_(scene.sky.empty() ? nullptr : std::make_unique<Sky>(scene.sky)) {
         Vec3f low = scene.corner(0, 0), high = low;
         for (const Vec3f& p : scene.positions)
             for (int axis = 0; axis < 3; ++axis) low[axis] = std::min(low[axis], p[axis]), high[axis] = std::max(high[axis], p[axis]);
@@ -142,7 +142,7 @@ class Paths {
     const Scene& scene_;
     const Tracer& tracer_;
     LampLight lamps_;
-    std::optional<Sky> sky_;
+    std::unique_ptr<Sky> sky_;  ///< null: there is none
     double width_m_ = 0;  ///< of the scene
     WeightedTriangles emitters_;
 };
