@@ -194,22 +194,20 @@ double usual_light(std::span<const Sides> charts) {
 DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer& tracer, bool find_unlit) {
     DarkFronts found;
     found.charts.assign(atlas.charts.size(), false);
-    if (find_unlit) found.unlit.assign(atlas.charts.size(), false);
-    const Paths paths(scene, tracer);
-    if (paths.is_dark()) return found;
     std::vector<std::vector<std::uint32_t>> triangles(atlas.charts.size());
     for (std::uint32_t t = 0; t < scene.triangle_count(); ++t) {
         const Object& object = scene.object_of(t);
         if (object.has_lightmap) triangles[atlas.triangle_chart[t]].push_back(t);
     }
+    const Paths paths(scene, tracer);
     std::vector<Sides> sides(atlas.charts.size());
     parallel_for(triangles.size(), 16, [&](std::size_t c) {
-        if (triangles[c].empty()) return;
+        if (triangles[c].empty() || paths.is_dark()) return;
         const Chart& chart = atlas.charts[c];
         sides[c] = look_at(scene, paths, triangles[c], mix(mix(scene.objects[chart.object].path_hash, chart.ordinal), purpose), find_unlit);
     });
     if (find_unlit)
-        for (std::size_t c = 0; c < sides.size(); ++c) found.unlit[c] = !triangles[c].empty() && sides[c].front <= 0;
+        for (std::size_t c = 0; c < sides.size(); ++c) found.unlit.push_back(!triangles[c].empty() && sides[c].front <= 0);
     const double usual = usual_light(sides);
     for (std::size_t c = 0; c < sides.size(); ++c) {
         if (!(sides[c].front < sides[c].dark_share * std::min(sides[c].back, usual))) continue;

@@ -15,7 +15,7 @@ struct DarkFronts {
     std::vector<bool> charts;       ///< per chart of the atlas: its front is dark and its back is not
     double area_m2 = 0;             ///< of these charts
     std::uint32_t chart_count = 0;  ///< how many they are
-    std::vector<bool> unlit;        ///< per chart with a lightmap, if it was asked for: no path found light on its front
+    std::vector<bool> unlit;        ///< per chart, if it was asked for: it has a lightmap, and no path found light on its front
 };
 
 /// A front is dark if less than a hundredth of the light of the back falls on it, in the mean over the chart, with all bounces; less than a
@@ -23,8 +23,8 @@ struct DarkFronts {
 /// median by area of brighter sides): the front of a lamp's shade is not.
 /// One-sided surfaces have no other side, and what has no lightmap shows none.
 /// A pure function of scene and atlas. Threads: uses them all. Errors: none.
-/// Source: unidirectional path tracing with next event estimation (Kajiya 1986), few paths: a light that is missed by all of them can
-/// only leave a front as it is, because the back must be bright for certain.
+/// Source: unidirectional path tracing with next event estimation (Kajiya 1986), 64 paths from each side. A front whose light comes along
+/// few ways may be missed: along one path in a hundred, by all of them with a chance of one half.
 /// `find_unlit`: follow all paths of charts on which no light was found yet; takes longer where much is dark.
 DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer& tracer, bool find_unlit = false);
 

@@ -167,6 +167,7 @@ TEST(FormatsBake, LinearBytesToo) {
     BakeOptions options = formats_options(folder, sample("two_rooms"));
     options.encoding = LightmapEncoding::linear8;
     expect_irradiance(options, bake(options));
+    EXPECT_EQ(Model(options.output).lightmap_of("wall_3")["extras"]["encoding"], "linear8");
 }
 
 TEST(FormatsBake, ProfilesDifferInTheFactorPiAlone) {

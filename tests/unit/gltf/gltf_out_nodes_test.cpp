@@ -125,11 +125,7 @@ TEST_F(GltfOutNodes, CopiesByAttributesNeedNoPlaceOfTheNode) {
     const GltfDocument document = model.parse();
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = on_nodes(record, 2);
-    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
-    second.triangle_page.assign(second.triangle_page.size(), 1);
-    maps.instances[0] = laid_out({first}, {{0.5f, 0.5f}, {0, 0}});
-    maps.instances[1] = laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}});
-    maps.instances[2] = {maps.instances[0].mesh, {{0.5f, 0.5f}, {0, 0.5f}}};
+    maps.instances = copies_on_two_pages(record);
     const GltfDocument out = write_and_load(document, record, maps);
     ASSERT_EQ(out.json["nodes"].size(), 2u);
     for (std::size_t node = 0; node < 2; ++node) {
@@ -138,6 +134,7 @@ TEST_F(GltfOutNodes, CopiesByAttributesNeedNoPlaceOfTheNode) {
         EXPECT_TRUE(out.json["nodes"][node]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"].contains("_LIGHTMAP_OFFSET"));
     }
 
+    const PrimitiveLayout second = maps.instances[1].mesh->front();
     for (std::size_t k = 0; k < 3; ++k) maps.instances[k] = laid_out({k ? second : scattered(record.meshes[0].primitives[0], [](std::size_t t) { return t ? 1u : 0u; })});
     const GltfDocument split = write_and_load(document, record, maps);
     ASSERT_EQ(split.json["nodes"].size(), 5u) << "three copies as nodes, and the other page of the first";

@@ -206,11 +206,7 @@ TEST_F(GltfOut, CopiesOfANodeHaveTheirPlacesInAttributes) {
     const SceneRecord record = read_scene(document);
     ASSERT_EQ(record.instances.size(), 3u);
     GltfLightmaps maps = lightmaps(record, 2);
-    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
-    second.triangle_page.assign(second.triangle_page.size(), 1);
-    maps.instances[0] = laid_out({first}, {{0.5f, 0.5f}, {0, 0}});
-    maps.instances[1] = laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}});
-    maps.instances[2] = {maps.instances[0].mesh, {{0.5f, 0.5f}, {0, 0.5f}}};
+    maps.instances = copies_on_two_pages(record);
     const GltfDocument out = write_and_load(document, record, maps);
     ASSERT_EQ(out.json["nodes"].size(), 2u);
     EXPECT_EQ(out.json["nodes"][0]["children"], json{1});
@@ -233,11 +229,8 @@ TEST_F(GltfOut, DamagedAttributesOfCopiesCostNoBake) {
     const GltfDocument document = copied_quad(true);
     const SceneRecord record = read_scene(document);
     GltfLightmaps maps = lightmaps(record, 2);
-    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
-    second.triangle_page.assign(second.triangle_page.size(), 1);
-    maps.instances[0] = laid_out({first}, {{0.5f, 0.5f}, {0, 0}});
-    maps.instances[1] = laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}});
-    maps.instances[2] = {maps.instances[1].mesh, {{0.5f, 0.5f}, {0, 0.5f}}};
+    maps.instances = copies_on_two_pages(record);
+    maps.instances[2].mesh = maps.instances[1].mesh;
     const GltfDocument out = write_and_load(document, record, maps);
     EXPECT_EQ(instance_attribute(out, 1, "_KIND"), (std::vector<float>{8, 9}));
     EXPECT_FALSE(out.json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"].contains("_SHORT"));

@@ -136,6 +136,15 @@ inline GltfLightmaps lightmaps(const SceneRecord& record, std::size_t pages = 1)
     return maps;
 }
 
+/// Three copies of a node with one primitive: the first and the last share a layout on page 0, the second has its own on page 1.
+inline std::vector<InstanceLayout> copies_on_two_pages(const SceneRecord& record) {
+    PrimitiveLayout first = welded(record.meshes[0].primitives[0]), second = first;
+    second.triangle_page.assign(second.triangle_page.size(), 1);
+    std::vector<InstanceLayout> instances{laid_out({first}, {{0.5f, 0.5f}, {0, 0}}), laid_out({second}, {{0.5f, 0.5f}, {0.25f, 0}})};
+    instances.push_back({instances[0].mesh, {{0.5f, 0.5f}, {0, 0.5f}}});
+    return instances;
+}
+
 class GltfOut : public testing::Test {
   protected:
     void SetUp() override {

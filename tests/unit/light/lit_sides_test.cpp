@@ -84,7 +84,9 @@ TEST(LitSides, FrontsAsBrightAsTheRoomStay) {
 
 TEST(LitSides, WithoutLightNothingIsDark) {
     const auto made = test::prepare(SceneMaker().add("box", turned(box(1, 1, 1)), two_sided()).build());
-    EXPECT_EQ(find_dark_fronts(made->scene, made->atlas, *made->tracer).chart_count, 0u);
+    const DarkFronts found = find_dark_fronts(made->scene, made->atlas, *made->tracer, true);
+    EXPECT_EQ(found.chart_count, 0u);
+    EXPECT_EQ(found.unlit, std::vector<bool>(made->atlas.charts.size(), true));
 }
 
 /// What is turned has its front where rays come from, and its normals there.

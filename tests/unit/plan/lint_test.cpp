@@ -117,6 +117,12 @@ TEST(Lint, SurfacesThatNoLightReachesAreNamed) {
     EXPECT_NE(found[0].where[0].find("closet"), std::string::npos);
 }
 
+TEST(Lint, WithoutAnyLightAllSurfacesAreNamed) {
+    const auto found = lint(SceneMaker().add("room", room({0, 0, 0}, {4, 3, 4})).build());
+    ASSERT_EQ(codes(found), std::vector<std::string>{"unlit-surfaces"});
+    EXPECT_EQ(found[0].text.substr(0, 8), "100.00 %");
+}
+
 TEST(Lint, DarkFrontsAreNamed) {
     const auto found = lint(lit_room().add("crate", test::moved(test::turned(test::box(1, 1, 1)), {1, 1, 1}), {.double_sided = true}).build());
     ASSERT_EQ(codes(found), std::vector<std::string>{"dark-fronts"});
