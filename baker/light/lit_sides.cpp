@@ -27,6 +27,8 @@ constexpr double crack_share = 0.05, crack_depth = 0.1;
 constexpr double clear_share = 0.2;
 /// Of the paths from the back, as many must find light: if the front had as much, all of its paths would miss it with a chance of 2e-4.
 constexpr std::uint32_t least_lit_paths = most_paths / 8;
+/// And no more of those from the front: a room behind small windows has little light, but nearly all that is in it get some.
+constexpr std::uint32_t most_lit_paths = most_paths / 8;
 
 /// Triangles to choose from in proportion to a weight.
 class WeightedTriangles {
@@ -152,8 +154,6 @@ struct Sides {
     double front = 0, back = 0;  ///< lux of luminance
     double dark_share = 0;       ///< of the back's light, below which the front is dark; 0 where the back is not bright for certain
     double area_m2 = 0;
-
-    [[nodiscard]] double brighter() const { return std::max(front, back); }
 };
 
 Sides look_at(const Scene& scene, const Paths& paths, std::span<const std::uint32_t> triangles, std::uint64_t seed, bool find_unlit) {
@@ -173,15 +173,15 @@ Sides look_at(const Scene& scene, const Paths& paths, std::span<const std::uint3
             return {front.light / (k + 1), back.light / (k + 1), 0, places.sum()};
     }
     const double share = front.depth_m < crack_depth * back.depth_m ? crack_share : dark_share;
-    return {front.light / most_paths, back.light / most_paths, back.lit_paths >= least_lit_paths ? share : 0, places.sum()};
+    return {front.light / most_paths, back.light / most_paths, back.lit_paths >= least_lit_paths && front.lit_paths <= most_lit_paths ? share : 0, places.sum()};
 }
 
-/// Median by area of what the brighter sides get, where there is light: a lamp beside a chart does not make the chart's front dark.
+/// Median by area of what fronts get that get any: a lamp or the sun on the back of a chart does not make its front dark.
 double usual_light(std::span<const Sides> charts) {
     std::vector<std::pair<double, double>> light;  // and area
     double area_m2 = 0;
     for (const Sides& sides : charts)
-        if (sides.brighter() > 0) light.emplace_back(sides.brighter(), sides.area_m2), area_m2 += sides.area_m2;
+        if (sides.front > 0) light.emplace_back(sides.front, sides.area_m2), area_m2 += sides.area_m2;
     std::ranges::sort(light);
     double before = 0;
     for (const auto& [lux, m2] : light)
@@ -208,9 +208,9 @@ DarkFronts find_dark_fronts(const Scene& scene, const Atlas& atlas, const Tracer
     });
     if (find_unlit)
         for (std::size_t c = 0; c < sides.size(); ++c) found.unlit.push_back(!triangles[c].empty() && sides[c].front <= 0);
-    const double usual = usual_light(sides);
+    const double usual = usual_light(sides);  // 0: no front gets light, so all of them are dark
     for (std::size_t c = 0; c < sides.size(); ++c) {
-        if (!(sides[c].front < sides[c].dark_share * std::min(sides[c].back, usual))) continue;
+        if (!(sides[c].front < sides[c].dark_share * (usual > 0 ? std::min(sides[c].back, usual) : sides[c].back))) continue;
         found.charts[c] = true;
         ++found.chart_count;
         found.area_m2 += sides[c].area_m2;

@@ -19,8 +19,8 @@ struct DarkFronts {
 };
 
 /// A front is dark if less than a hundredth of the light of the back falls on it, in the mean over the chart, with all bounces; less than a
-/// twentieth where it sees into a crack, a tenth as deep as what the back sees. Nor is it dark unless it is so beside what surfaces usually get (the
-/// median by area of brighter sides): the front of a lamp's shade is not.
+/// twentieth where it sees into a crack, a tenth as deep as what the back sees; and if at most one path in eight finds any there. Nor is it dark unless
+/// it is so beside what fronts usually get (the median by area of those with light): the front of a lamp's shade, or the inside of a wall in the sun, is not.
 /// One-sided surfaces have no other side, and what has no lightmap shows none.
 /// A pure function of scene and atlas. Threads: uses them all. Errors: none.
 /// Source: unidirectional path tracing with next event estimation (Kajiya 1986), 64 paths from each side. A front whose light comes along

@@ -82,6 +82,21 @@ TEST(LitSides, FrontsAsBrightAsTheRoomStay) {
     EXPECT_EQ(find_dark_fronts(made->scene, made->atlas, *made->tracer).chart_count, 0u);
 }
 
+/// The outside is in full light, the inside has a hundredth of it, through a window.
+TEST(LitSides, RoomsBehindAWindowStay) {
+    test::MadeMesh walls;
+    test::add_quad(walls, {0, 0, 0}, {0, 0, 4}, {4, 0, 0});
+    test::add_quad(walls, {0, 3, 0}, {4, 0, 0}, {0, 0, 4});
+    test::add_quad(walls, {0, 0, 0}, {4, 0, 0}, {0, 3, 0});
+    test::add_quad(walls, {0, 0, 4}, {0, 3, 0}, {4, 0, 0});
+    test::add_quad(walls, {0, 0, 0}, {0, 3, 0}, {0, 0, 4});
+    test::add_quad(walls, {4, 0, 0}, {0, 0, 3.9f}, {0, 3, 0});  // beside a window of 10 cm
+    Scene scene = SceneMaker().add("walls", walls, two_sided()).build();
+    scene.sky = {.width = 1, .height = 1, .nits = {Rgb(1000, 1000, 1000)}};
+    const auto made = test::prepare(std::move(scene));
+    EXPECT_EQ(find_dark_fronts(made->scene, made->atlas, *made->tracer).chart_count, 0u);
+}
+
 TEST(LitSides, WithoutLightNothingIsDark) {
     const auto made = test::prepare(SceneMaker().add("box", turned(box(1, 1, 1)), two_sided()).build());
     const DarkFronts found = find_dark_fronts(made->scene, made->atlas, *made->tracer, true);
