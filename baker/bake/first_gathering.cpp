@@ -14,6 +14,11 @@ namespace {
 /// shows; no error that is estimated later knows of it, so it must fall with the others.
 std::uint32_t first_rays(std::uint32_t most_rays) { return std::max(8u, std::bit_floor(most_rays) / 16); }
 
+/// With fewer rays in the second gathering, its noise is larger than what a second round would mend.
+constexpr std::uint32_t rays_for_two_rounds = 512;
+
+std::uint32_t most_rays(const BakeOptions& options) { return options.error > 0 ? options.most_gather_rays : options.gather_rays; }
+
 /// Where shadows may have their edges, lamps are tested at so many points of a texel, elsewhere at one.
 constexpr std::uint32_t edge_points = 4;
 
@@ -91,12 +96,13 @@ class FirstPage {
 
 }  // namespace
 
-std::optional<FirstGathering> first_gathering(const BakeOptions& options, const BakedGeometry& geometry, const GatherInput& input,
-                                              std::vector<Rgb> reflected) {
-    const std::uint32_t most_rays = options.error > 0 ? options.most_gather_rays : options.gather_rays;
+std::uint32_t first_rounds(const BakeOptions& options) { return most_rays(options) >= rays_for_two_rounds ? 2 : 1; }
+
+std::optional<FirstGathering> first_gathering(const BakeOptions& options, std::uint32_t round, const BakedGeometry& geometry,
+                                              const GatherInput& input, std::vector<Rgb> reflected) {
     // Its own points, so that what this gathering happened to see does not come twice.
-    const GatherOptions gathering{first_rays(most_rays), true, 1, edge_points, patch_side_m(options, geometry.atlas),
-                                  mix(options.seed, 0x6669727374), options.stop};
+    const GatherOptions gathering{first_rays(most_rays(options)), true, 1, edge_points, patch_side_m(options, geometry.atlas),
+                                  mix(options.seed, 0x6669727374 + round), options.stop};
     FirstGathering first{RadiosityDetail(std::move(reflected), PatchMean::texels)};
     for (std::uint32_t page = 0; page < geometry.atlas.page_count; ++page) {
         const auto found = FirstPage(geometry, input, page, gathering).gathered();

@@ -108,13 +108,15 @@ GatherInput PageLighter::input_now() const {
 
 bool PageLighter::find_senders() {
     senders_.emplace(Senders{EmitterSet(g_.scene, g_.atlas, g_.patches), spread_radiosity(), find_guides()});
-    auto first = first_gathering(options_, g_, input_now(), reflected_);
-    if (!first) {
-        senders_.reset();
-        return false;
+    for (std::uint32_t round = 0; round < first_rounds(options_); ++round) {
+        auto first = first_gathering(options_, round, g_, input_now(), reflected_);
+        if (!first) {
+            senders_.reset();
+            return false;
+        }
+        senders_->radiosity = std::move(first->radiosity);
+        first_rays_ += first->rays;
     }
-    senders_->radiosity = std::move(first->radiosity);
-    first_rays_ = first->rays;
     return true;
 }
 

@@ -226,7 +226,7 @@ class TexelGather {
         const Landing at = landing(in_.patches, hit, texel);
         if (at.end != RayEnd::patch) return;
         const Rgb& emission = in_.patches.patches[at.patch].emission;
-        if (near.is_near(hit.distance_m))
+        if (near.follows(hit, texel))
             vertices.push_back(near.vertex(batch.rays[k], hit, at.patch, batch.number[k], hit.tint / density));
         else
             reflected.add(in_.radiosity.at(at.patch, in_.patches, texel), hit.tint / density);

@@ -14,10 +14,8 @@
 namespace luxel {
 namespace {
 
-/// Bounces that a path may take without getting away from what is near, and the share of the light that makes another
-/// one worth its rays. What is left then is what the patches say: in a dark gap behind a lit wall that is too much, so it must
-/// be little.
-constexpr std::uint32_t most_bounces = 32;
+/// The share of the light that makes another bounce worth its rays. What is left then is what the patches say: in a dark gap
+/// behind a lit wall that is too much, so it must be little.
 constexpr float least_share = 0.002f;
 constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d, thin_purpose = 0x7468696e;
 
@@ -90,7 +88,7 @@ void NearLight::make_tables() {
     // Half of all paths stay within two steps; farther ones only choose less well.
     const float around_m = 2 * reach_m_;
     if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitters_up_to_);
-    lamps_.emplace(lamp_strengths(in_.scene.lamps, position_, static_cast<float>(most_bounces + 1) * reach_m_, nullptr));
+    lamps_.emplace(lamp_strengths(in_.scene.lamps, position_, lamps_reach_m(), nullptr));
 }
 
 void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
@@ -100,7 +98,7 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
         const SobolSequence sequence(mix(seed_, path_purpose + depth));
         random.clear();
         for (const NearVertex& at : vertices) random.push_back(sequence.point(at.ray));
-        if (!lamps_->empty()) add_lamps(vertices, random, sum);
+        if (!in_.scene.lamps.empty()) add_lamps(vertices, random, sum);
         if (!emitters_up_to_.empty()) add_aimed(vertices, depth, sum);
         add_aimed_sky(in_, vertices, mix(seed_, depth), sum);
         ray_count_ += aimed_sky_rays(in_.sky, 1) * static_cast<std::uint32_t>(vertices.size());
@@ -109,13 +107,21 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
     }
 }
 
+std::optional<LampTable::Choice> NearLight::choose_lamp(const NearVertex& at, float random) const {
+    const auto choose = [&](const LampTable& table) { return table.empty() ? std::nullopt : std::optional(table.choose(random)); };
+    // The texel's table knows nothing of lamps that light only what is far away.
+    if ((at.position - position_).length() < lamps_reach_m()) return choose(*lamps_);
+    return choose(LampTable(lamp_strengths(in_.scene.lamps, at.position, 0, &at.normal)));
+}
+
 void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
                           LightSum& sum) const {
     const LampLight light(in_.scene, in_.tracer);
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];
-        const LampTable::Choice choice = lamps_->choose(random[k][2]);
-        sum.add(light.irradiance_of(choice.lamp, {at.position, at.normal, at.normal, at.triangle}, {choice.rest, random[k][3]}) / choice.probability,
+        const auto choice = choose_lamp(at, random[k][2]);
+        if (!choice) continue;
+        sum.add(light.irradiance_of(choice->lamp, {at.position, at.normal, at.normal, at.triangle}, {choice->rest, random[k][3]}) / choice->probability,
                 at.throughput);
     }
 }
@@ -179,7 +185,7 @@ void NearLight::follow(std::vector<NearVertex>& vertices, std::span<const std::a
             sum.add(patch.emission * emitter_weight(rays.rays[k], rays.hits[k], at.patch, rays.cosine[k]),
                     throughput);
         const NearVertex next = vertex(rays.rays[k], rays.hits[k], at.patch, from.ray, throughput, from.share);
-        if (is_near(rays.hits[k].distance_m) && depth + 1 < most_bounces && next.share >= least_share)
+        if (follows(hit, texel) && depth + 1 < most_bounces && next.share >= least_share)
             further.push_back(next);
         else
             sum.add(in_.radiosity.at(at.patch, in_.patches, texel), throughput);

@@ -1,8 +1,9 @@
 /// Light that surfaces close to a texel reflect. A patch has one radiosity; seen from nearer than it is wide, that mean
 /// is wrong: under furniture, between two sheets, along the foot of a wall. There the path goes on: from the point that
 /// was hit to lamps, to emitters and along one more cosine ray, until a hit lies farther away than its patch is wide
-/// and the solution is good enough again, or too little depends on it. After each bounce but the first, half of the paths
-/// stand for all. No roulette: in even light every path says the same.
+/// and the solution is good enough again, or too little depends on it. Far hits are followed where the solution is coarse: on backs,
+/// which have no texels of their own, and where something stands on the surface (patches/contact_texels.h). After each bounce
+/// but the first, half of the paths stand for all. No roulette: in even light every path says the same.
 /// Source: secondary final gathering for close geometry (Christensen, Faster Photon Map Global Illumination, JGT
 /// 4(3) 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
@@ -33,16 +34,22 @@ struct NearVertex {
 class NearLight {
   public:
     static constexpr std::size_t batch = SobolSequence::batch;
+    /// That a path may take without getting away from what is near.
+    static constexpr std::uint32_t most_bounces = 32;
 
-    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: none is. `aim`: send rays to
-    /// emitters too; not where they fill the view.
+    /// References must outlive it. `reach_m`: hits closer than this are near, m; 0: no hit is followed. `aim`: send rays
+    /// to emitters too; not where they fill the view.
     NearLight(const GatherInput& input, float reach_m, const Vec3f& texel_position, bool aim)
         : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim) {}
 
     /// Begins with other rays of the texel. `seed`: theirs.
     void start(std::uint64_t seed) { seed_ = seed, ray_count_ = 0; }
 
-    [[nodiscard]] bool is_near(float distance_m) const { return distance_m < reach_m_; }
+    /// Does the path go on from a hit at `at`? Else the solution serves.
+    [[nodiscard]] bool follows(const TraceHit& hit, const SurfaceTexel& at) const {
+        if (hit.distance_m < reach_m_) return true;
+        return reach_m_ > 0 && (!hit.front || in_.patches.contacts.holds(at.chart->page, place_on_page(in_.patches, at)));
+    }
     /// The vertex where `ray` met patch `patch`; `weight`: what the texel receives per unit of radiosity there.
     [[nodiscard]] NearVertex vertex(const TraceRay& ray, const TraceHit& hit, PatchNumber patch, std::uint32_t number,
                                     const Rgb& weight, float share = 1) const;
@@ -54,6 +61,9 @@ class NearLight {
   private:
     struct Rays;
     void make_tables();
+    /// How far from the texel its table of lamps holds.
+    [[nodiscard]] float lamps_reach_m() const { return static_cast<float>(most_bounces + 1) * reach_m_; }
+    [[nodiscard]] std::optional<LampTable::Choice> choose_lamp(const NearVertex& at, float random) const;
     void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
                    LightSum& sum) const;
     void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum);

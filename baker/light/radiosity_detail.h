@@ -43,14 +43,14 @@ class RadiosityDetail {
 
     /// Tells the processor that at() will be asked for `at`.
     void prefetch(const PatchSet& patches, const SurfaceTexel& at) const {
-        if (!pages_.empty()) __builtin_prefetch(&pages_[at.chart->page][place(patches, at)]);
+        if (!pages_.empty()) __builtin_prefetch(&pages_[at.chart->page][place_on_page(patches, at)]);
     }
     /// Reflected radiosity, lm/m2, where a ray met patch `patch` at `at`.
     [[nodiscard]] Rgb at(PatchNumber patch, const PatchSet& patches, const SurfaceTexel& at) const {
         const Rgb& mean = reflected_[patch];
         // A back has no texels of its own, and what rounding put beside the chart has none either.
         if (pages_.empty() || *at.patch != patch) return mean;
-        const std::uint32_t packed = pages_[at.chart->page][place(patches, at)];
+        const std::uint32_t packed = pages_[at.chart->page][place_on_page(patches, at)];
         return {mean.x * factor(packed), mean.y * factor(packed >> 10), mean.z * factor(packed >> 20)};
     }
 
@@ -58,9 +58,6 @@ class RadiosityDetail {
     static constexpr std::uint64_t bytes_per_page_texel = 4;
 
   private:
-    static std::size_t place(const PatchSet& patches, const SurfaceTexel& at) {
-        return std::size_t{at.chart->y + at.y} * patches.page_size + at.chart->x + at.x;
-    }
     static constexpr std::uint32_t channel_mask = 1023;
     static const std::array<float, 1024>& factors();
     static std::uint32_t code(double factor);

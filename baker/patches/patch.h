@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "baker/core/vec.h"
+#include "baker/patches/contact_texels.h"
 #include "baker/patches/parted_texels.h"
 #include "baker/patches/texels.h"
 
@@ -41,7 +42,8 @@ struct PatchSet {
     /// of the patch lies inside solids. A patch's hidden texels bear its number.
     std::vector<std::vector<PatchNumber>> page_patch;
     std::uint32_t page_size = 0;
-    PartedTexels parted;  ///< not stored: none in a set that was read from a file
+    PartedTexels parted;     ///< not stored: none in a set that was read from a file
+    ContactTexels contacts;  ///< the same
 
     [[nodiscard]] std::size_t count() const { return patches.size(); }
     [[nodiscard]] std::span<const Fragment> fragments_of(PatchNumber patch) const {

@@ -212,6 +212,7 @@ PatchSet build_patches(const Scene& scene, const Atlas& atlas, const TexelSet& t
     PatchSet set;
     set.page_size = texels.page_size;
     set.parted = PartedTexels(texels);
+    set.contacts = ContactTexels(texels);
     set.page_patch.resize(texels.pages.size());
     for (auto& image : set.page_patch) image.assign(std::size_t{texels.page_size} * texels.page_size, no_patch);
     std::vector<PatchNumber> first_patch(found.size());

@@ -26,8 +26,7 @@ PatchNumber front_patch_near(const Chart& chart, const PatchSet& patches, std::u
 
 PatchNumber front_patch_of_parted(const PatchSet& patches, const SurfaceTexel& at) {
     const std::vector<PatchNumber>& image = patches.page_patch[at.chart->page];
-    const auto place = static_cast<std::size_t>(at.patch - image.data());
-    const PatchNumber owner = image[patches.parted.owner(at.chart->page, place, at.u - static_cast<float>(at.x), at.v - static_cast<float>(at.y))];
+    const PatchNumber owner = image[patches.parted.owner(at.chart->page, place_on_page(patches, at), at.u - static_cast<float>(at.x), at.v - static_cast<float>(at.y))];
     if (owner != no_patch) return owner;
     return *at.patch != no_patch ? *at.patch : front_patch_near(*at.chart, patches, at.x, at.y, at.u, at.v);
 }

@@ -37,13 +37,18 @@ inline SurfaceTexel surface_texel(const Atlas& atlas, const PatchSet& patches, s
     return at;
 }
 
+/// y * page size + x of the texel.
+inline std::size_t place_on_page(const PatchSet& patches, const SurfaceTexel& at) {
+    return static_cast<std::size_t>(at.patch - patches.page_patch[at.chart->page].data());
+}
+
 /// Front patch at a point of a texel that `patches.parted` holds.
 PatchNumber front_patch_of_parted(const PatchSet& patches, const SurfaceTexel& at);
 
 /// Front patch there.
 inline PatchNumber front_patch_at(const PatchSet& patches, const SurfaceTexel& at) {
     if (!patches.parted.empty() &&
-        patches.parted.holds(at.chart->page, static_cast<std::size_t>(at.patch - patches.page_patch[at.chart->page].data())))
+        patches.parted.holds(at.chart->page, place_on_page(patches, at)))
         return front_patch_of_parted(patches, at);
     return *at.patch != no_patch ? *at.patch : front_patch_near(*at.chart, patches, at.x, at.y, at.u, at.v);
 }

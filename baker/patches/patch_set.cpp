@@ -11,7 +11,7 @@ std::uint64_t PatchSet::resident_bytes() const {
     std::uint64_t bytes = patches.capacity() * sizeof(Patch) + fragment_begin.capacity() * sizeof(std::uint32_t) +
                           fragments.capacity() * sizeof(Fragment);
     for (const auto& page : page_patch) bytes += page.capacity() * sizeof(PatchNumber);
-    bytes += parted.resident_bytes();
+    bytes += parted.resident_bytes() + contacts.resident_bytes();
     return bytes;
 }
 
@@ -39,6 +39,7 @@ void renumber(PatchSet& set, std::span<const PatchNumber> new_number) {
         result.fragment_begin.push_back(static_cast<std::uint32_t>(result.fragments.size()));
     }
     result.parted = std::move(set.parted);
+    result.contacts = std::move(set.contacts);
     result.page_patch = std::move(set.page_patch);
     for (auto& page : result.page_patch)
         for (PatchNumber& number : page)

@@ -129,5 +129,33 @@ TEST(NearLight, LampsLightTheWayOn) {
     EXPECT_NEAR((bounced(dark, 10) - lit) / (bounced(radiosity, 0) - lit), 1, 0.02);
 }
 
+/// A black wall sees the back of a sheet 12 m away, lit by a lamp that reaches no farther than around the sheet: the back is followed
+/// however far it is, and finds the lamp that the wall's own table leaves out.
+TEST(NearLight, BacksAreFollowedToLampsOfTheirOwn) {
+    test::MadeMaterial black, sheet;
+    black.reflectance = {0, 0, 0};
+    sheet.double_sided = true;
+    SceneMaker maker;
+    maker.add("wall", quad({0, -5, -5}, {0, 10, 0}, {0, 0, 10}), black);
+    maker.add("sheet", quad({12, -5, -5}, {0, 10, 0}, {0, 0, 10}), sheet);
+    LampRecord lamp = point_lamp({10, 0, 0}, 1000);
+    lamp.range = 4;
+    maker.add_lamp(lamp);
+    const auto made = test::prepare(maker.build(), {.texels_per_metre = 4});
+    const std::vector<Rgb> dark(made->patches.count(), Rgb(0, 0, 0));
+    std::vector<Rgb> radiosity = dark;
+    const auto direct = patch_lamp_irradiance(made->scene, made->atlas, made->patches, *made->tracer, 16, 64);
+    for (PatchNumber p = 0; p < made->patches.count(); ++p)
+        if (made->patches.patches[p].is_back) radiosity[p] = direct[p] * made->patches.patches[p].reflectance;
+    const auto on_wall = [&](std::span<const Rgb> of, float near_m) {
+        double sum = 0;
+        for (const Rgb& h : gather_all(*made, of, {.rays = 256, .near_m = near_m})) sum += static_cast<double>(h.x);
+        return sum;
+    };
+    const double own = on_wall(dark, 0), known = on_wall(radiosity, 0) - own;  // the sheet's texels have light of the lamp of their own
+    EXPECT_GT(known, 0);
+    EXPECT_NEAR((on_wall(dark, 0.1f) - own) / known, 1, 0.02);
+}
+
 }  // namespace
 }  // namespace luxel

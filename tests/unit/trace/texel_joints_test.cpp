@@ -29,6 +29,18 @@ std::size_t cut_joints(const test::Prepared& made, const std::string& path) {
     return cut;
 }
 
+/// Texels of the floor that are known to be beside something.
+std::size_t floor_contacts(const test::Prepared& made) {
+    std::size_t count = 0;
+    for (std::uint32_t page = 0; page < made.texels.pages.size(); ++page)
+        for (const Texel& texel : made.texels.pages[page].texels) {
+            const Object& object = made.scene.objects[made.atlas.charts[texel.chart].object];
+            if (made.scene.materials[object.material].name == "floor")
+                count += made.patches.contacts.holds(page, std::size_t{texel.y} * made.texels.page_size + texel.x);
+        }
+    return count;
+}
+
 /// Both sides of the sheet x = at that patches of `path` have fragments on by more than a texel, as sets of patches.
 bool any_patch_on_both_sides(const test::Prepared& made, const std::string& path, double at, double margin) {
     std::set<PatchNumber> left, right;
@@ -101,10 +113,12 @@ TEST(TexelJoints, ASheetPartsThePatchesOfTheFloor) {
         const auto made = test::prepare(floor_with_sheet(x, true).build());
         // Each row of texels across is cut once.
         EXPECT_EQ(cut_joints(*made, "floor"), 32u) << x;
+        EXPECT_EQ(floor_contacts(*made), 64u) << x;  // both of each joint
         EXPECT_FALSE(any_patch_on_both_sides(*made, "floor", x, 1.01 * texel)) << x;
     }
     const auto open = test::prepare(floor_with_sheet(2.2, false).build());
     EXPECT_EQ(cut_joints(*open, "floor"), 0u);
+    EXPECT_EQ(floor_contacts(*open), 0u);
     EXPECT_TRUE(any_patch_on_both_sides(*open, "floor", 2.2, 1.01 * texel));
 }
 
