@@ -17,7 +17,8 @@ struct PlanReport {
 };
 
 /// `options` are those of the bake; their output is not written, and may be empty. With a bake folder (`options.work`) the atlas is kept
-/// there, so that the bake finds it. Throws what reading throws. Threads: uses options.threads.
+/// there, so that the bake finds it. Throws what reading throws; Error{stopped_early} if `options.stop` was asked before it was
+/// complete. Threads: uses options.threads.
 PlanReport plan_bake(const BakeOptions& options);
 
 }  // namespace luxel

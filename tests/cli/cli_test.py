@@ -15,18 +15,18 @@ import unittest
 SAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "samples")
 FURNACE = os.path.join(SAMPLES, "furnace", "furnace.gltf")
 SMALL = ["--quality", "draft", "--texels-per-metre", "4", "--atlas-size", "64", "--rays", "64"]
-USAGE, BAD_INPUT, CANNOT_WRITE, DAMAGED_STORE, BUDGET_TOO_SMALL = 1, 2, 4, 5, 7
+USAGE, BAD_INPUT, CANNOT_WRITE, DAMAGED_STORE, STOPPED_EARLY, BUDGET_TOO_SMALL = 1, 2, 4, 5, 6, 7
 LUXEL = None
 
 
-def run(*arguments, limit_file_bytes=None):
+def run(*arguments, limit_file_bytes=None, environment=None):
     def limit():
         if limit_file_bytes is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit_file_bytes, limit_file_bytes))
 
     # Python ignores SIGXFSZ; not restoring it makes the child see EFBIG instead of dying, as on a full disk.
     return subprocess.run([LUXEL, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          errors="replace", timeout=120, restore_signals=limit_file_bytes is None, preexec_fn=limit)
+                          errors="replace", timeout=120, env={**os.environ, **(environment or {})}, restore_signals=limit_file_bytes is None, preexec_fn=limit)
 
 
 def read(path):

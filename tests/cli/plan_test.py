@@ -8,7 +8,7 @@ import sys
 import unittest
 
 import cli_test
-from cli_test import BAD_INPUT, FURNACE, SAMPLES, Case, run
+from cli_test import BAD_INPUT, FURNACE, SAMPLES, STOPPED_EARLY, Case, run
 
 FOUND = 8
 
@@ -59,6 +59,12 @@ class Plan(Case):
     def test_refuses(self):
         self.assert_refused(run("plan", FURNACE, "--fail-on", "mould"), 1, "--fail-on", "mould", "coincident-faces")
         self.assert_refused(run("plan", self.path("gone.gltf")), BAD_INPUT, "gone.gltf", "no such file")
+
+    def test_leaves_nothing_behind_when_it_is_stopped(self):
+        os.mkdir(self.path("temporary"))
+        stopped = run("plan", FURNACE, "--stop-after", "0", environment={"TMPDIR": self.path("temporary")})
+        self.assert_refused(stopped, STOPPED_EARLY, "furnace.gltf", "stopped before the plan was complete")
+        self.assertEqual(os.listdir(self.path("temporary")), [])
 
 
 if __name__ == "__main__":

@@ -12,9 +12,9 @@ import time
 import unittest
 
 import cli_test
-from cli_test import FURNACE, SMALL, Case, files_below, read
+from cli_test import FURNACE, SMALL, STOPPED_EARLY, Case, files_below, read
 
-STOPPED_EARLY, INTERRUPTED = 6, 130
+INTERRUPTED = 130
 
 
 class Stop(Case):
@@ -68,7 +68,7 @@ class Stop(Case):
                 process.send_signal(number)
                 output, messages = process.communicate(timeout=60)
                 self.assertEqual(process.returncode, INTERRUPTED, messages)
-                self.assertIn("luxel: interrupted: finishes the step and writes what is there; interrupt again", messages)
+                self.assertIn("luxel: interrupted: finishes the step and writes what there is to write; interrupt again", messages)
                 self.assertRegex(messages, r"luxel: warning: light: interrupted: .*\[stopped\]")
                 self.assertEqual(self.report()["stopped"], "light")
                 self.assertTrue(os.path.isfile(self.output))

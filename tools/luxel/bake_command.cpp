@@ -30,10 +30,6 @@ void print_summary(const BakeReport& report, const BakeOptions& options) {
                report.solve_path, seconds, report.peak_bytes >> 20);
 }
 
-StopRequest::Clock::time_point after_seconds(double seconds) {
-    return StopRequest::Clock::now() + std::chrono::duration_cast<StopRequest::Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
 int exit_code(const BakeReport& report, const StopRequest& stop) {
     if (report.stopped && stop.was_asked()) return exit_interrupted;
     return report.converged && !report.stopped ? 0 : static_cast<int>(ErrorCode::stopped_early);
@@ -41,7 +37,7 @@ int exit_code(const BakeReport& report, const StopRequest& stop) {
 
 int run(const BakeArguments& arguments, const CLI::App& command) {
     StopRequest stop;
-    if (command.count("--stop-after")) stop.ask_at(after_seconds(arguments.stop_after_s));
+    ask_stop_after(arguments, command, stop);
     const InterruptGuard guard(stop);
     BakeOptions options = resolve_bake_options(arguments, command);
     options.stop = &stop;

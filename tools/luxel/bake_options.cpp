@@ -192,6 +192,12 @@ void add_bake_options(CLI::App& command, BakeArguments& arguments) {
     add_running_options(command, arguments);
 }
 
+void ask_stop_after(const BakeArguments& arguments, const CLI::App& command, StopRequest& stop) {
+    if (command.count("--stop-after") == 0) return;
+    stop.ask_at(StopRequest::Clock::now() +
+                std::chrono::duration_cast<StopRequest::Clock::duration>(std::chrono::duration<double>(arguments.stop_after_s)));
+}
+
 BakeOptions resolve_bake_options(const BakeArguments& a, const CLI::App& command) {
     BakeOptions o;
     const auto given = [&](const char* name) { return command.count(name) > 0; };

@@ -28,6 +28,9 @@ struct BakeArguments {
 /// All of them but --output.
 void add_bake_options(CLI::App& command, BakeArguments& arguments);
 
+/// Asks `stop` for the time of --stop-after, from now on, if the user gave it.
+void ask_stop_after(const BakeArguments& arguments, const CLI::App& command, StopRequest& stop);
+
 /// What they mean. Throws Error{usage} on what does not go together.
 BakeOptions resolve_bake_options(const BakeArguments& arguments, const CLI::App& command);
 

@@ -30,7 +30,7 @@ extern "C" void on_interrupt(int) {
     let_go();
     const std::string_view newline = on_terminal ? "\n" : "";
     const std::string_view text =
-        "luxel: interrupted: finishes the step and writes what is there; interrupt again to stop at once\n";
+        "luxel: interrupted: finishes the step and writes what there is to write; interrupt again to stop at once\n";
     for (const std::string_view part : {newline, text})
         if (::write(STDERR_FILENO, part.data(), part.size()) < 0) break;
     errno = error;

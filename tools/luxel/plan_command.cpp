@@ -11,6 +11,7 @@
 #include "baker/plan/plan.h"
 #include "formats/base/file.h"
 #include "tools/luxel/bake_options.h"
+#include "tools/luxel/interrupt.h"
 #include "tools/luxel/plan_text.h"
 #include "tools/luxel/progress_printer.h"
 #include "tools/luxel/warning_printer.h"
@@ -45,7 +46,11 @@ std::vector<std::string> codes_to_fail_on(const std::string& list) {
 
 int run(const Arguments& arguments, const CLI::App& command) {
     const std::vector<std::string> fatal = codes_to_fail_on(arguments.fail_on);
+    StopRequest stop;
+    ask_stop_after(arguments.bake, command, stop);
+    const InterruptGuard guard(stop);
     BakeOptions options = resolve_bake_options(arguments.bake, command);
+    options.stop = &stop;
     ProgressPrinter printer(arguments.bake.quiet);
     options.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
         printer.update(stage, done, total, unit);
