@@ -31,18 +31,18 @@ CASES = [
     Case("sun_room", "samples/sun_room/sun_room.gltf", SAMPLE, spp=131072),
     Case("lamps_over_floor", "samples/lamps_over_floor/lamps_over_floor.gltf", SAMPLE),
     Case("open_court", "samples/open_court/open_court.gltf", SAMPLE, SKY),
-    Case("painted_room", "samples/painted_room/painted_room.gltf", SAMPLE),
+    # measured 5.07 %, 4.7 to 5.3 % by seed: behind the panel in front of a wall hardly a path arrives, and texels there are filled
+    Case("painted_room", "samples/painted_room/painted_room.gltf", SAMPLE, missed={"high": {"p95": 0.055}}),
     Case("tinted_room", "samples/tinted_room/tinted_room.gltf", SAMPLE),
     Case("fence", "samples/fence/fence.gltf", SAMPLE),
     Case("glass_room", "samples/glass_room/glass_room.gltf", SAMPLE, spp=65536),
     Case("staircase", "{scenes}/staircase/staircase.glb", spp=16384,
-         missed={"medium": {"p95": 0.175},                                      # measured 16.1 %
-                 "high": {"median": 0.0147, "p95": 0.14, "bias": 0.0056}}),     # measured 1.33 %, 12.6 % and -0.51 %
+         missed={"medium": {"p95": 0.135}, "high": {"p95": 0.085}}),      # measured 12.4 and 7.7 %
     Case("lq-e1m1", "{scenes}/lq-e1m1/lq_e1m1.glb", spp=65536,
-         # measured 17.6 % at medium, 15.0 % and -0.65 % at high
+         # measured 18.2 % at medium, 14.9 % and -0.65 % at high
          missed={"medium": {"p95": 0.19}, "high": {"p95": 0.165, "bias": 0.0072}}),
     # the 95th percentile lies inside the closed white sofa
     Case("living-room", "{scenes}/living-room/living-room.glb", "", SKY, spp=16384,
-         missed={"medium": {"median": 0.033, "p95": 0.40},             # measured 3.00 % and 36.3 %
-                 "high": {"median": 0.022, "p95": 0.295}}),            # measured 2.00 % and 26.5 %
+         missed={"medium": {"median": 0.033, "p95": 0.40},             # measured 2.78 % and 37.4 %
+                 "high": {"median": 0.02, "p95": 0.265}}),             # measured 1.79 % and 24.1 %
 ]
