@@ -1,7 +1,7 @@
 /// What every texel sends: a first gathering with few rays per texel, read by the rays of the second (light/radiosity_detail.h). Patches
 /// of few texels, and those whose texels' halves differ by more than a quarter of what they send, get up to 16 times as many.
-/// What it reads itself are patches, coarse as they are, so of what is gathered the second bounce is coarse. Where many rays ask for more, a
-/// second round reads the texels of the first, and the third bounce is.
+/// Its own rays read patches. Where many rays per texel ask for more, a second round reads the texels of the first: then one bounce
+/// more has the detail of texels.
 /// Threads: uses them all.
 #pragma once
 #include <cstdint>

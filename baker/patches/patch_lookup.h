@@ -47,9 +47,7 @@ PatchNumber front_patch_of_parted(const PatchSet& patches, const SurfaceTexel& a
 
 /// Front patch there.
 inline PatchNumber front_patch_at(const PatchSet& patches, const SurfaceTexel& at) {
-    if (!patches.parted.empty() &&
-        patches.parted.holds(at.chart->page, place_on_page(patches, at)))
-        return front_patch_of_parted(patches, at);
+    if (!patches.parted.empty() && patches.parted.holds(at.chart->page, place_on_page(patches, at))) return front_patch_of_parted(patches, at);
     return *at.patch != no_patch ? *at.patch : front_patch_near(*at.chart, patches, at.x, at.y, at.u, at.v);
 }
 
