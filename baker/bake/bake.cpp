@@ -62,7 +62,8 @@ void verify(const BakeFolder& folder, const Key& strip_key, const MemoryPlan& pl
 
 }  // namespace
 
-BakeReport bake(const BakeOptions& options) {
+BakeReport bake(const BakeOptions& wanted) {
+    BakeOptions options = wanted;
     check_paths(options);
     check_layers(options);
     const ThreadLimit threads(options.threads);
@@ -74,6 +75,15 @@ BakeReport bake(const BakeOptions& options) {
 
     const auto geometry = prepare_geometry(options, folder, clock, report);
     report.geometry_bytes = geometry->resident_bytes();
+    if (options.adapt) {
+        clock.stage("adapt", [&] {
+            double seconds = 0;
+            for (const StageReport& stage : report.stages) seconds += stage.seconds;
+            options.adapt(options, *geometry, seconds);
+            return false;
+        });
+        check_layers(options);
+    }
     const MemoryPlan plan = plan_memory(options.memory_bytes, memory_demand(options, *geometry, report, threads.threads()));
     report.floor_bytes = plan.floor_bytes;
 

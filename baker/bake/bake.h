@@ -53,6 +53,8 @@ struct SkyChoice {
     double scale = 1;         ///< factor of any sky, >= 0
 };
 
+struct BakedGeometry;
+
 /// What the user may choose. Values are final here: presets are resolved by the command line.
 struct BakeOptions {
     std::filesystem::path input, output;
@@ -111,6 +113,9 @@ struct BakeOptions {
     std::string software = "luxel";                       ///< name and version for metadata
 
     const StopRequest* stop = nullptr;  ///< asked: end early and write what is there (stopping.h); must outlive the bake
+    /// Called once, when the geometry is there and has taken so many seconds: may still change rays, gather_rays, most_gather_rays,
+    /// lamp_points and tolerance. None: they are final.
+    std::function<void(BakeOptions&, const BakedGeometry&, double seconds)> adapt;
     double checkpoint_s = 20;  ///< time between checkpoints of a solve; 0: after every step
     double preview_s = 0;      ///< time between previews while solving (preview.h); 0: none
 

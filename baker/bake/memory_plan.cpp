@@ -101,4 +101,9 @@ MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand) {
     return plan;
 }
 
+std::uint64_t memory_floor(const MemoryDemand& demand) {
+    constexpr std::uint64_t enough_for_all = std::uint64_t{1} << 62;
+    return plan_memory(enough_for_all, demand).floor_bytes;
+}
+
 }  // namespace luxel

@@ -34,4 +34,7 @@ struct MemoryDemand {
 /// Pure. Throws Error{budget_too_small} stating the smallest budget when the given one is below the floor.
 MemoryPlan plan_memory(std::uint64_t budget_bytes, const MemoryDemand& demand);
 
+/// The smallest budget alone. Pure.
+std::uint64_t memory_floor(const MemoryDemand& demand);
+
 }  // namespace luxel

@@ -9,16 +9,27 @@
 namespace luxel {
 namespace {
 
-/// Large enough for everything: only the floor is asked for.
-constexpr std::uint64_t any_budget = std::uint64_t{1} << 62;
-
 void refuse_if_stopping(const BakeOptions& options) {
     if (is_stopping(options)) throw Error(ErrorCode::stopped_early, options.input.string(), "stopped before the plan was complete", "run it again, with more time");
 }
 
+void foresee(const PlanWishes& wishes, const BakedGeometry& geometry, double geometry_seconds, const MemoryDemand& demand, const BakeOptions& options, PlanReport& plan) {
+    for (const NamedOptions& preset : wishes.presets) {
+        refuse_if_stopping(options);
+        plan.forecasts.push_back(forecast(preset, geometry, geometry_seconds));
+    }
+    plan.advice = advise_memory(options.memory_bytes, demand);
+    const auto add = [&](const std::vector<Advice>& advice) { plan.advice.insert(plan.advice.end(), advice.begin(), advice.end()); };
+    if (wishes.seconds > 0) {
+        plan.choice = best_within(wishes.seconds, wishes.ladder, geometry, geometry_seconds);
+        add(advise_time(wishes.seconds, *plan.choice, plan.texels_per_metre));
+    }
+    if (wishes.disk_bytes > 0) add(advise_disk(wishes.disk_bytes, plan.choice ? *plan.choice : forecast({"", options}, geometry, geometry_seconds)));
+}
+
 }  // namespace
 
-PlanReport plan_bake(const BakeOptions& options) {
+PlanReport plan_bake(const BakeOptions& options, const PlanWishes& wishes) {
     if (!std::filesystem::exists(options.input))
         throw Error(ErrorCode::bad_input, options.input.string(), "no such file", "check the path");
     const ThreadLimit threads(options.threads);
@@ -30,8 +41,16 @@ PlanReport plan_bake(const BakeOptions& options) {
     const auto geometry = prepare_geometry(options, folder, clock, report);
     refuse_if_stopping(options);
     report.geometry_bytes = plan.geometry_bytes = geometry->resident_bytes();
-    plan.floor_bytes = plan_memory(any_budget, memory_demand(options, *geometry, report, threads.threads())).floor_bytes;
+    const MemoryDemand demand = memory_demand(options, *geometry, report, threads.threads());
+    plan.floor_bytes = memory_floor(demand);
+    plan.texels_per_metre = report.texels_per_metre;
     plan.decisions = decide(options, *geometry);
+    double geometry_seconds = 0;
+    for (const StageReport& stage : report.stages) geometry_seconds += stage.seconds;
+    clock.stage("forecast", [&] {
+        foresee(wishes, *geometry, geometry_seconds, demand, options, plan);
+        return false;
+    });
     clock.stage("lint", [&] {
         plan.findings = lint_scene(*geometry);
         const std::vector<SceneFinding> of_light = lint_light(*geometry);
@@ -41,7 +60,7 @@ PlanReport plan_bake(const BakeOptions& options) {
     refuse_if_stopping(options);
     std::erase_if(report.warnings, [](const Warning& warning) { return warning.code == "dark-fronts"; });  // a finding already
     plan.triangles = report.triangles, plan.charts = report.charts, plan.pages = report.pages, plan.texels = report.texels;
-    plan.patches = report.patches, plan.chunks = report.chunks, plan.texels_per_metre = report.texels_per_metre;
+    plan.patches = report.patches, plan.chunks = report.chunks;
     plan.stages = std::move(report.stages);
     plan.warnings = std::move(report.warnings);
     return plan;

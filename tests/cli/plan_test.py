@@ -41,6 +41,45 @@ class Plan(Case):
             self.assertIn(part["part"], skipped | {"gather"})
         self.assertIn("skip sky", done.stdout)
 
+    def test_foresees_what_presets_take(self):
+        done, plan = self.plan(FURNACE)
+        self.assert_done(done)
+        draft, medium, high = plan["forecasts"]
+        self.assertEqual([f["quality"] for f in plan["forecasts"]], ["draft", "medium", "high"])
+        for less, more in ((draft, medium), (medium, high)):
+            for key in ("evidence_rays", "gather_rays", "pairs", "matrix_bytes", "peak_bytes"):
+                self.assertLess(less[key], more[key], key)
+        for foreseen in plan["forecasts"]:
+            self.assertEqual(sorted(foreseen["seconds_of"]), ["geometry", "light", "matrix", "write"])
+            self.assertAlmostEqual(foreseen["seconds"], sum(foreseen["seconds_of"].values()))
+            self.assertIn(foreseen["quality"], done.stdout)
+        self.assertEqual(draft["gather_rays"], 0)
+        self.assertEqual(draft["seconds_of"]["light"], 0)
+        self.assertEqual(medium["gather_rays"], 128 * plan["counts"]["texels"])
+        # Whatever the time, numbers are the same.
+        again = self.plan(FURNACE, "--threads", "1")[1]["forecasts"]
+        counts = [[f[key] for key in ("evidence_rays", "gather_rays", "pairs", "matrix_bytes")] for f in (*plan["forecasts"], *again)]
+        self.assertEqual(counts[:3], counts[3:])
+
+    def test_a_bake_takes_what_there_is_time_for(self):
+        def bake(name, *arguments):
+            done = run("bake", FURNACE, "-o", self.path(name + ".glb"), "--texels-per-metre", "4", "--report", self.path("bake.json"), *arguments)
+            self.assert_done(done)
+            with open(self.path("bake.json"), encoding="utf-8") as file:
+                report = json.load(file)
+            with open(self.path(name + ".lightmap0.exr"), "rb") as file:
+                return done, report, file.read()
+
+        done, slow, page = bake("slow", "--target-seconds", "1e6")
+        self.assertIn("--quality high --gather-rays 2048, foreseen to take", done.stdout)
+        self.assertEqual((slow["settings"]["quality"], slow["settings"]["gather-rays"]), ("high", "2048"))
+        self.assertEqual(page, bake("same", "--quality", "high", "--gather-rays", "2048")[2])
+        done, fast, page = bake("fast", "--target-seconds", "1e-3")
+        self.assertIn("target-not-reached", done.stderr)
+        self.assertEqual((fast["settings"]["quality"], fast["settings"]["gather-rays"]), ("draft", "0"))
+        self.assertEqual(page, bake("same", "--quality", "draft")[2])
+        self.assert_refused(run("bake", FURNACE, "-o", self.output, "--target-seconds", "5", "--quality", "high"), 1, "--target-seconds", "--quality")
+
     def test_fails_on_what_is_named(self):
         def spoil(document):
             document["nodes"].append(dict(document["nodes"][0]))   # the same wall again

@@ -13,6 +13,7 @@
 #include "tools/luxel/inspect_text.h"
 #include "tools/luxel/interrupt.h"
 #include "tools/luxel/progress_printer.h"
+#include "tools/luxel/quality_ladder.h"
 #include "tools/luxel/report_json.h"
 #include "tools/luxel/warning_printer.h"
 
@@ -30,6 +31,19 @@ void print_summary(const BakeReport& report, const BakeOptions& options) {
                report.solve_path, seconds, report.peak_bytes >> 20);
 }
 
+/// Says what --target-seconds chose. Returns the settings with it.
+std::vector<std::pair<std::string, std::string>> settings_of_choice(BakeArguments arguments, const TimeChoice& choice, BakeOptions& options, BakeReport& report) {
+    take(choice.chosen, options);
+    arguments.quality = choice.chosen.name.substr(0, choice.chosen.name.find(' '));
+    const double seconds = choice.foreseen.seconds.total();
+    const std::string text = fmt::format("--quality {}, foreseen to take {:.3g} s", choice.chosen.name, seconds);
+    if (seconds > arguments.target_seconds)
+        report.warnings.push_back({"target-not-reached", "--target-seconds", fmt::format("{:g} s are not enough for any quality: {}", arguments.target_seconds, text)});
+    else if (!arguments.quiet)
+        fmt::print("--target-seconds {:g}: {}\n", arguments.target_seconds, text);
+    return bake_settings(arguments, options);
+}
+
 int exit_code(const BakeReport& report, const StopRequest& stop) {
     if (report.stopped && stop.was_asked()) return exit_interrupted;
     return report.converged && !report.stopped ? 0 : static_cast<int>(ErrorCode::stopped_early);
@@ -41,13 +55,15 @@ int run(const BakeArguments& arguments, const CLI::App& command) {
     const InterruptGuard guard(stop);
     BakeOptions options = resolve_bake_options(arguments, command);
     options.stop = &stop;
+    TimeChoice choice;
+    adapt_to_seconds(options, arguments, command, choice);
     ProgressPrinter printer(arguments.quiet);
     options.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
         printer.update(stage, done, total, unit);
     };
     BakeReport report = bake(options);
     printer.finish();
-    report.settings = bake_settings(arguments, options);
+    report.settings = options.adapt ? settings_of_choice(arguments, choice, options, report) : bake_settings(arguments, options);
     print_warnings(report.warnings);
     if (!arguments.report.empty()) {
         const std::string text = report_json(report);

@@ -21,7 +21,7 @@ struct Preset {
     std::uint32_t gather_rays, lamp_points;
     double tolerance;
 };
-constexpr std::array<Preset, 3> presets{{{"draft", 128, 0, 4, 1e-2}, {"medium", 256, 128, 4, 1e-3}, {"high", 1024, 512, 16, 1e-4}}};
+constexpr std::array<Preset, 3> presets{{{qualities[0], 128, 0, 4, 1e-2}, {qualities[1], 256, 128, 4, 1e-3}, {qualities[2], 1024, 512, 16, 1e-4}}};
 
 constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 
@@ -87,7 +87,7 @@ void add_input_options(CLI::App& command, BakeArguments& a) {
 
 void add_quality_options(CLI::App& command, BakeArguments& a) {
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
-        ->check(CLI::IsMember({"draft", "medium", "high"}))->capture_default_str()->group("Quality");
+        ->check(CLI::IsMember(std::vector<std::string>(qualities.begin(), qualities.end())))->capture_default_str()->group("Quality");
     command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 by quality)")
         ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{1} << 24))->group("Quality");
     command.add_option("--estimator", a.estimator, "of form factors: rays, or the classic hemicube for comparison")
@@ -96,6 +96,8 @@ void add_quality_options(CLI::App& command, BakeArguments& a) {
         ->check(CLI::Range(2u, 4096u))->capture_default_str()->group("Quality");
     command.add_option("--error", a.error, "trace until the relative error of the light of patches and of texels is below this, such as 0.02")
         ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
+    command.add_option("--target-seconds", a.target_seconds, "take the best quality that will be done in this time, as luxel plan foresees it")
+        ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->group("Quality");
     command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather", a.gather, "light at every texel by rays of its own, as --quality and --gather-rays say; off: patches are interpolated")
@@ -329,6 +331,7 @@ std::vector<std::pair<std::string, std::string>> bake_settings(const BakeArgumen
             {"store", store_name(o.store)},
             {"store-bytes", a.store_bytes.empty() ? "auto" : a.store_bytes},
             {"threads", std::to_string(o.threads)},
+            {"target-seconds", a.target_seconds > 0 ? fmt::format("{}", a.target_seconds) : "none"},
             {"stop-after", a.stop_after_s > 0 ? fmt::format("{}", a.stop_after_s) : "none"},
             {"preview-every", a.preview_s > 0 ? fmt::format("{}", a.preview_s) : "none"},
             {"checkpoint-every", fmt::format("{}", a.checkpoint_s)},

@@ -1,6 +1,7 @@
 /// The options of a bake: what the command line says, and what it means. Commands that look at a bake without doing it share them.
 #pragma once
 #include <CLI/App.hpp>
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,9 @@
 
 namespace luxel {
 
+/// Names of --quality, the fastest first.
+inline constexpr std::array qualities{"draft", "medium", "high"};
+
 /// As they were typed; values that were not given are those of the help.
 struct BakeArguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
@@ -18,7 +22,7 @@ struct BakeArguments {
     std::string sky, sky_color;
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
-    double texels_per_metre = 0, tolerance = 0, error = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
+    double texels_per_metre = 0, tolerance = 0, error = 0, target_seconds = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;

@@ -14,6 +14,8 @@
 #include "tools/luxel/interrupt.h"
 #include "tools/luxel/plan_text.h"
 #include "tools/luxel/progress_printer.h"
+#include "tools/luxel/quality_ladder.h"
+#include "tools/luxel/size_option.h"
 #include "tools/luxel/warning_printer.h"
 
 namespace luxel {
@@ -24,7 +26,7 @@ constexpr std::array finding_codes{"uv1-unfit",        "below-a-texel", "crowdin
 
 struct Arguments {
     BakeArguments bake;
-    std::string fail_on;
+    std::string fail_on, target_disk;
 };
 
 /// The codes that --fail-on names; all of them for "any".
@@ -44,6 +46,13 @@ std::vector<std::string> codes_to_fail_on(const std::string& list) {
     return codes;
 }
 
+PlanWishes wishes_of(const Arguments& arguments, const CLI::App& command) {
+    return {.presets = all_presets(arguments.bake, command),
+            .ladder = quality_ladder(arguments.bake, command),
+            .seconds = arguments.bake.target_seconds,
+            .disk_bytes = arguments.target_disk.empty() ? 0 : parse_bytes(arguments.target_disk, "--target-disk")};
+}
+
 int run(const Arguments& arguments, const CLI::App& command) {
     const std::vector<std::string> fatal = codes_to_fail_on(arguments.fail_on);
     StopRequest stop;
@@ -55,7 +64,7 @@ int run(const Arguments& arguments, const CLI::App& command) {
     options.progress = [&](const std::string& stage, std::uint64_t done, std::uint64_t total, const char* unit) {
         printer.update(stage, done, total, unit);
     };
-    const PlanReport plan = plan_bake(options);
+    const PlanReport plan = plan_bake(options, wishes_of(arguments, command));
     printer.finish();
     print_warnings(plan.warnings);
     if (!arguments.bake.report.empty()) {
@@ -74,6 +83,7 @@ void add_plan_command(CLI::App& program, int& exit_code) {
     const auto arguments = std::make_shared<Arguments>();
     add_bake_options(*command, arguments->bake);
     command->add_option("--fail-on", arguments->fail_on, "findings that end with exit code 8, separated by commas, or any")->type_name("CODES")->group("Running");
+    command->add_option("--target-disk", arguments->target_disk, "what the form factors may take, K/M/G: says what to do where they take more")->group("Running");
     command->footer(
         "Takes the options of luxel bake: put plan in place of bake, and leave out the output.\n"
         "Examples:\n"

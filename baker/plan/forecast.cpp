@@ -1,0 +1,69 @@
+#include "baker/plan/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "baker/plan/light_sample.h"
+#include "baker/plan/sight_sample.h"
+
+namespace luxel {
+namespace {
+
+// Fitted to the samples and four foreign scenes at draft and medium (docs/plan.md has the table).
+constexpr double pairs_by_importance = 0.9;  ///< rays go where light is, and meet the same patches more often
+constexpr double bytes_per_index_bit = 0.14;  ///< a bit set of that density, compressed
+constexpr double least_pair_bytes = 0.4;
+constexpr double chunk_bytes = 650;           ///< headers and indices of a strip
+constexpr double program_bytes = 14 << 20;    ///< with its libraries
+constexpr double write_bytes = 27;            ///< per texel of a page, whether surface or not
+constexpr double draft_bytes = 98;            ///< per texel of the surface, of interpolated light
+constexpr double gather_bytes = 125;          ///< and of gathered light
+constexpr double patch_bytes = 300;
+constexpr double resident_per_pair = 10;      ///< blocks that are decoded
+constexpr double seconds_per_pair = 5e-7;     ///< pooling, closure, solve and accuracy, of all rounds
+constexpr double seconds_per_texel = 2e-6;    ///< sharing and writing
+constexpr double first_round_share = 0.15;    ///< of the time of gathering
+
+std::uint64_t whole(double number) { return static_cast<std::uint64_t>(std::llround(std::max(number, 0.0))); }
+
+/// Beside the geometry.
+double working_bytes(const BakeOptions& options, const BakedGeometry& g, double texels, double pairs) {
+    const double page = static_cast<double>(g.atlas.page_size) * g.atlas.page_size;
+    const double light = texels * (options.gather_rays ? gather_bytes : draft_bytes) + static_cast<double>(g.patches.count()) * patch_bytes;
+    return program_bytes + std::max(page * write_bytes, light) + pairs * resident_per_pair;
+}
+
+}  // namespace
+
+Forecast forecast(const NamedOptions& named, const BakedGeometry& g, double geometry_seconds) {
+    const BakeOptions& options = named.options;
+    std::uint64_t texels = 0;
+    for (std::uint32_t page = 0; page < g.shown_pages; ++page) texels += g.texels.pages[page].texels.size();
+    const SightSample sight = sample_sight(options, g);
+    const double pairs = sight.pairs * (options.importance ? pairs_by_importance : 1);
+    Forecast f;
+    f.name = named.name;
+    f.evidence_rays = options.rays * g.patches.count();
+    f.gather_rays = options.gather_rays * texels;
+    f.pairs = whole(pairs);
+    f.matrix_bytes = whole(g.layout.chunk_count() * chunk_bytes + pairs * std::max(least_pair_bytes, bytes_per_index_bit * sight.index_bits));
+    f.peak_bytes = g.resident_bytes() + whole(std::min(working_bytes(options, g, static_cast<double>(texels), pairs), static_cast<double>(options.memory_bytes)));
+    f.seconds.geometry = geometry_seconds;
+    f.seconds.matrix = static_cast<double>(f.evidence_rays) * sight.seconds_per_ray + pairs * seconds_per_pair;
+    f.seconds.light = static_cast<double>(texels) * sample_light(options, g) * (1 + first_round_share);
+    f.seconds.write = static_cast<double>(texels) * seconds_per_texel;
+    return f;
+}
+
+Forecast best_within(double seconds, std::span<const NamedOptions> choices, const BakedGeometry& g, double geometry_seconds) {
+    Forecast best;
+    for (const NamedOptions& choice : choices) {
+        Forecast next = forecast(choice, g, geometry_seconds);
+        const bool fits = next.seconds.total() <= seconds;
+        if (fits || best.name.empty()) best = std::move(next);
+        if (!fits) break;
+    }
+    return best;
+}
+
+}  // namespace luxel

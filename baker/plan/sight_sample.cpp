@@ -1,0 +1,87 @@
+#include "baker/plan/sight_sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "baker/bake/estimator_choice.h"
+#include "baker/core/parallel.h"
+#include "baker/formfactors/level_plan.h"
+#include "baker/core/processor_time.h"
+
+namespace luxel {
+namespace {
+
+constexpr std::size_t most_patches = 512;
+
+struct Sighting {
+    PatchNumber from = no_patch;
+    std::map<PatchNumber, std::uint32_t> times;  ///< that its rays met each patch
+};
+
+std::vector<Sighting> cast_some(const Estimator& estimator, std::uint64_t rays, std::size_t patches) {
+    const LevelRange levels = uniform_plan(1, estimator.replicate_count(), rays).levels.front();
+    std::vector<Sighting> seen(std::min(patches, most_patches));
+    parallel_for(seen.size(), 4, [&](std::size_t k) {
+        flush_denormals();
+        seen[k].from = static_cast<PatchNumber>((2 * k + 1) * patches / (2 * seen.size()));
+        std::vector<Landings> landings;
+        estimator.cast(seen[k].from, levels, landings);
+        for (const Landings& replicate : landings)
+            for (const PatchNumber patch : replicate.patches) ++seen[k].times[patch];
+    });
+    return seen;
+}
+
+/// Bits that say which of the patches of the blocks it has something in a patch meets, per patch that it meets: log2(there are / are met).
+double index_bits(const std::vector<Sighting>& seen, const ChunkLayout& layout) {
+    double bits = 0, met = 0;
+    for (const Sighting& sighting : seen) {
+        const auto partners = static_cast<double>(sighting.times.size());
+        double there = 0;
+        std::uint32_t last = layout.chunk_count();
+        for (const auto& [patch, times] : sighting.times)
+            if (const std::uint32_t chunk = layout.chunk_of(patch); chunk != last) {
+                last = chunk;
+                there += layout.size(chunk);
+            }
+        if (partners > 0) bits += partners * std::log2(there / partners);
+        met += partners;
+    }
+    return met > 0 ? bits / met : 0;
+}
+
+/// A pair that both of its patches meet is counted once: the chance that the other one meets this one follows by reciprocity from how
+/// often this one met it. Of those that were met once or twice many were met by luck, and their rate is lower.
+double expected_pairs(const std::vector<Sighting>& seen, const PatchSet& patches) {
+    std::map<std::uint32_t, double> met;  // times -> patches
+    for (const Sighting& sighting : seen)
+        for (const auto& [patch, times] : sighting.times) ++met[times];
+    const auto rate = [&](std::uint32_t times) {
+        const auto more = met.find(times + 1);
+        const double plain = times;
+        return times <= 2 && more != met.end() ? std::min(plain, (plain + 1) * more->second / met[times]) : plain;
+    };
+    double pairs = 0;
+    for (const Sighting& sighting : seen)
+        for (const auto& [patch, times] : sighting.times) {
+            const auto area_ratio = static_cast<double>(patches.patches[sighting.from].area_m2 / patches.patches[patch].area_m2);
+            pairs += 1 - (1 - std::exp(-rate(times) * area_ratio)) / 2;
+        }
+    return pairs * static_cast<double>(patches.count()) / static_cast<double>(seen.size());
+}
+
+}  // namespace
+
+SightSample sample_sight(const BakeOptions& options, const BakedGeometry& g) {
+    if (g.patches.count() == 0) return {};
+    const auto estimator = make_estimator(options, g);
+    const ProcessorTime time(options.threads);
+    const std::vector<Sighting> seen = cast_some(*estimator, options.rays, g.patches.count());
+    const double seconds = time.seconds();
+    const LevelRange levels = uniform_plan(1, estimator->replicate_count(), options.rays).levels.front();
+    const auto rays = static_cast<double>(estimator->rays_of(levels) * seen.size());
+    return {expected_pairs(seen, g.patches), index_bits(seen, g.layout), seconds / rays};
+}
+
+}  // namespace luxel
