@@ -55,7 +55,8 @@ def main(setting):
         right = gathered.light()
         error = results[scene] = {key: difference(made.light(), right) for key, made in spread.items()}
         print(f"{scene}: difference from gathered light, {RAYS} rays per patch\n")
-        table(["patch, texels", "patches", *methods], [[str(size), f"{spread[size, 'linear'].report['counts']['patches']:,}", *(percent(error[size, m]) for m in methods)] for size in sizes])
+        table(["patch, texels", "patches", *methods], [[str(size), f"{spread[size, 'linear'].report['counts']['patches']:,}",
+              *(percent(error[size, m]) for m in methods)] for size in sizes])
         linear = [error[size, "linear"] for size in sizes]
         for cubic in (m for m in methods if m not in ("constant", "linear")):
             same = {size: size_for(error[size, cubic], sizes, linear) for size in sizes}
