@@ -9,6 +9,10 @@ SCENES = {"cornell_box": (["--density", "48"], ((0.278, 0.273, -0.5), (0.278, 0.
           "two_rooms": (["--density", "12", "--patch-texels", "6"], None, (230, 160))}
 # How often a read of the half matrix serves a row: one that gathers takes every pair both ways, a shot only from its own row.
 SOLVERS = {"gather": (1.0, "#239b56", "gathering, Gauss-Seidel"), "jacobi": (1.0, "#7d6608", "gathering, Jacobi"), "shoot-patch": (0.5, "#c0392b", "shooting")}
+# The same in the blocks of a bake, on a finer mesh, beside luxel's own solver.
+BLOCKS = ("two_rooms", ["--density", "24", "--chunk-patches", "512", "--rays", "256"],
+          {"jacobi": "gathering, Jacobi", "gather": "gathering, Gauss-Seidel by blocks", "shoot-patch": "shooting by patches", "shoot": "luxel: shooting by rooms, coarse model"})
+REPEATS = 3   # the least of so many times is told
 SWEEPS = [0.02, 0.1, 0.5, 1, 2, 4]   # of the table
 GATHERED_AT, SHOT_AT, AMBIENT_AT = [1, 2], [0.1, 1, 2], [0.02, 0.1, 1]   # of the pictures
 
@@ -30,6 +34,24 @@ def follow(setting, scene):
             numbers = {key: float(value) for key, value in line.items()}
             lines[name].append({"sweeps": numbers["reads"] * SOLVERS[name][0], **numbers})
     return lines, folder
+
+
+def in_blocks(setting):
+    """Prints reads and processor time until the light is right, where the matrix comes in blocks."""
+    scene, options, solvers = BLOCKS
+    folder = os.path.join(setting.work, "course", scene + ".blocks")
+    runs = []
+    for _ in range(REPEATS):
+        run([setting.partial_light, sample(scene), "--out", folder, "--solver", *solvers, "--error", "1e-2", *options])
+        with open(os.path.join(folder, "course.csv"), encoding="utf-8", newline="") as file:
+            runs.append(list(csv.DictReader(file)))
+
+    def until(name, error):
+        steps = [next(s for s in lines if s["solver"] == name and float(s["error"]) <= error) for lines in runs]
+        reads = float(steps[0]["reads"])
+        return (f"{reads:,.0f}" if reads >= 100 else f"{reads:.2g}") + f"; {min(float(s['seconds']) for s in steps):.2g} s"
+    print(f"{scene} in chunks of 512 patches: reads of the half matrix, and seconds of processor time, until the error is\n")
+    table(["solver", "10 %", "1 %"], [[text, until(name, 0.1), until(name, 0.01)] for name, text in solvers.items()])
 
 
 def reads_text(solver, sweeps):
@@ -101,6 +123,7 @@ def main(setting):
         if not setting.quick:
             pictures(setting, scene, folder)
     if not setting.quick:
+        in_blocks(setting)
         save_charts(setting.picture("course.svg"), charts(results))
     return results
 
