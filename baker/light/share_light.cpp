@@ -46,7 +46,7 @@ using Choice = std::array<std::uint8_t, 2>;
 class Sharer {
   public:
     Sharer(const PageTexels& page, std::uint32_t page_size, const GatheredLight& light, std::uint32_t most_texels)
-        : page_(page), light_(light), grid_(page, page_size), choices_(page.texels.size()), bias_squares_(page.texels.size(), 0) {
+        : page_(page), light_(light), grid_(page, page_size), choices_(page.texels.size()), bias_(page.texels.size(), 0) {
         while (discs_ < TexelWindow::disc_count && TexelWindow::disc_radii[discs_] <= static_cast<int>(most_texels)) ++discs_;
     }
 
@@ -121,7 +121,8 @@ class Sharer {
         for (int c = 0; c < 3; ++c)
             result.irradiance[index][c] = static_cast<float>(std::max((first.values[c] + second.values[3 + c]) * 0.5, 0.0));
         result.standard_error[index] = static_cast<float>(0.5 * std::sqrt(first.variance[0] + second.variance[1]));
-        bias_squares_[index] = static_cast<float>(0.5 * (excess(fits, chosen[1], 0) + excess(fits, chosen[0], 1)));
+        const double square = 0.5 * (excess(fits, chosen[1], 0) + excess(fits, chosen[0], 1));
+        bias_[index] = static_cast<float>(std::copysign(std::sqrt(std::abs(square)), square));
     }
 
     /// Square of what sharing changes beyond noise, signed: no more than noise has to come out as nothing on average. A disc holds the
@@ -138,7 +139,10 @@ class Sharer {
         TexelWindow window(grid_, index);
         double sum = 0;
         for (std::size_t k = 0; k <= DiscFits::smallest_noise_disc; ++k)
-            for (const TexelWindow::Member& member : window.grow(k)) sum += static_cast<double>(bias_squares_[member.texel]);
+            for (const TexelWindow::Member& member : window.grow(k)) {
+                const auto root = static_cast<double>(bias_[member.texel]);
+                sum += root * std::abs(root);
+            }
         return static_cast<float>(std::sqrt(std::max(sum / static_cast<double>(window.members().size()), 0.0)));
     }
 
@@ -147,7 +151,9 @@ class Sharer {
     TexelGrid grid_;
     std::size_t discs_ = 0;
     std::vector<Choice> choices_;
-    std::vector<float> bias_squares_;  ///< per texel, the square of its bias as it alone knows it, signed; lux^2
+    /// Per texel, its bias as it alone knows it, lux; below 0: that of its square. Not the square itself, which leaves the range of float
+    /// where the light is 1e30 lux, or 1e-30.
+    std::vector<float> bias_;
 };
 
 }  // namespace

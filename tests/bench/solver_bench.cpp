@@ -18,11 +18,11 @@
 #include <cmath>
 #include <fstream>
 
-#include "baker/bake/solve_stage.h"
 #include "baker/core/parallel.h"
 #include "baker/solver/solve.h"
 #include "baker/store/block_cache.h"
 #include "baker/store/closed_matrix.h"
+#include "tests/support/baked_problem.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace luxel;
@@ -64,27 +64,12 @@ std::vector<Rgb> with_mean(std::vector<Rgb> values, std::span<const double> area
     return values;
 }
 
-struct Problem {
-    std::unique_ptr<BakedGeometry> geometry;
-    BakedMatrix matrix;
-    std::vector<Channels> emission;
-    std::vector<Rgb> reflectance;
+struct Problem : test::BakedProblem {
     std::uint64_t decoded_bytes = 0;
 };
 
 Problem prepare(const BakeOptions& o) {
-    BakeReport report;
-    StageClock clock(o, report);
-    const BakeFolder folder(o.work, o.output);
-    Problem p;
-    p.geometry = prepare_geometry(o, folder, clock, report);
-    EvidenceRounds evidence(o, *p.geometry, folder);
-    evidence.add(uniform_plan(p.geometry->patches.count(), o.replicates, o.rays), clock, report);
-    MemoryPlan plan;
-    plan.pooling_bytes = std::uint64_t{1} << 30;
-    p.matrix = build_matrix(o, *p.geometry, evidence, folder, plan, clock, report);
-    p.emission = light_patches(o, *p.geometry, folder, clock, report).emission;
-    for (const Patch& patch : p.geometry->patches.patches) p.reflectance.push_back(patch.reflectance);
+    Problem p{test::bake_to_matrix(o)};
     std::uint64_t own = 0;
     for (const BlockInfo& block : p.matrix.strips->blocks()) {
         p.decoded_bytes += BlockCache::resident_bytes(block, p.geometry->layout);
@@ -93,8 +78,8 @@ Problem prepare(const BakeOptions& o) {
     ClosedMatrix source(*p.matrix.strips, p.matrix.area_m2, p.matrix.closure);
     fmt::print(
         "{}: {} patches, {} chunks of at most {}, {} blocks, {:.2f} M pairs, {:.1f} MB, own blocks {:.0f} % of it\n",
-        o.input.stem().string(), report.patches, report.chunks, o.chunk_patches, report.blocks,
-        static_cast<double>(report.pairs) * 1e-6, static_cast<double>(source.total_bytes()) * 1e-6,
+        o.input.stem().string(), p.report.patches, p.report.chunks, o.chunk_patches, p.report.blocks,
+        static_cast<double>(p.report.pairs) * 1e-6, static_cast<double>(source.total_bytes()) * 1e-6,
         100.0 * static_cast<double>(own) / static_cast<double>(source.total_bytes()));
     return p;
 }
@@ -106,7 +91,7 @@ double error_of(const Problem& p, const std::vector<Rgb>& reflectance, const std
         double off = 0, sum = 0;
         for (std::size_t i = 0; i < exact.size(); ++i) {
             const double b =
-                p.emission[i][c] + static_cast<double>(reflectance[i][static_cast<int>(c)]) * irradiance[i][c];
+                p.sources.emission[i][c] + static_cast<double>(reflectance[i][static_cast<int>(c)]) * irradiance[i][c];
             off += p.matrix.area_m2[i] * std::abs(b - exact[i][c]);
             sum += p.matrix.area_m2[i] * exact[i][c];
         }
@@ -130,7 +115,7 @@ double decode_seconds(const Problem& p, double bytes) {
 void measure(const Settings& s, const Problem& p, double albedo, std::ofstream& csv) {
     const auto reflectance = with_mean(p.reflectance, p.matrix.area_m2, albedo);
     ClosedMatrix source(*p.matrix.strips, p.matrix.area_m2, p.matrix.closure);
-    const SolveInput input{reflectance, p.emission};
+    const SolveInput input{reflectance, p.sources.emission};
     SolveOptions exact_options;
     exact_options.tolerance = 1e-8;
     BlockCache whole(source, p.decoded_bytes * 2);

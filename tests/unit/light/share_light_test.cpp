@@ -188,6 +188,26 @@ TEST(ShareLight, SaysWhatNoiseIsLeft) {
     EXPECT_NEAR(std::sqrt(said / found), 1, 0.35);
 }
 
+/// Powers of two: not one bit of a mantissa may differ.
+TEST(ShareLight, BrightnessChangesNothingButTheScale) {
+    const auto made = sheet();
+    const Field bent = [&](const Texel& texel) { return 2 + std::sin(place(*made, texel).x * 0.7f); };
+    const GatheredLight light = noisy(*made, bent, 0.05f);
+    const SharedLight plain = share(*made, light);
+    EXPECT_GT(*std::max_element(plain.bias.begin(), plain.bias.end()), 0.01f);
+    for (const float scale : {0x1p100f, 0x1p-100f}) {
+        GatheredLight scaled = light;
+        for (std::vector<Rgb>& half : scaled.halves)
+            for (Rgb& value : half) value *= scale;
+        const SharedLight found = share(*made, scaled);
+        for (std::size_t k = 0; k < plain.irradiance.size(); ++k) {
+            ASSERT_EQ(found.irradiance[k] / scale, plain.irradiance[k]) << k;
+            ASSERT_EQ(found.standard_error[k] / scale, plain.standard_error[k]) << k;
+            ASSERT_EQ(found.bias[k] / scale, plain.bias[k]) << k;
+        }
+    }
+}
+
 TEST(ShareLight, SameForAnyThreads) {
     const auto made = sheet();
     const Field field = [&](const Texel& texel) { return 1 + place(*made, texel).x; };
