@@ -1,5 +1,6 @@
 #include "baker/sweep/work_folder.h"
 
+#include "formats/base/error.h"
 #include "formats/base/file.h"
 
 namespace luxel {
@@ -7,12 +8,19 @@ namespace {
 
 std::filesystem::path beside(const std::filesystem::path& folder, const char* ending) { return folder.parent_path() / (folder.filename().string() + ending); }
 
+/// What stayed would be taken for whole.
+void remove_whole(const std::filesystem::path& path) {
+    std::error_code failed;
+    std::filesystem::remove_all(path, failed);
+    if (failed) throw Error(ErrorCode::cannot_write, path.string(), "cannot be removed: " + failed.message(), "remove it and run the same command again");
+}
+
 }  // namespace
 
 WorkFolder::WorkFolder(std::filesystem::path folder) : folder_(std::move(folder)), mark_(beside(folder_, ".busy")), costs_path_(beside(folder_, ".costs.json")) {
     if (std::filesystem::exists(mark_) || !std::filesystem::exists(costs_path_)) {
-        std::filesystem::remove_all(folder_);
-        std::filesystem::remove(costs_path_);
+        remove_whole(folder_);
+        remove_whole(costs_path_);
     } else {
         costs_ = StageCosts::load(costs_path_);
     }
@@ -23,7 +31,7 @@ WorkFolder::WorkFolder(std::filesystem::path folder) : folder_(std::move(folder)
 std::vector<StageCost> WorkFolder::whole(const BakeRun& run) {
     std::vector<StageCost> costs = costs_.whole(run);
     costs_.save(costs_path_);
-    std::filesystem::remove(mark_);
+    remove_whole(mark_);
     return costs;
 }
 

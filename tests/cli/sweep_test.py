@@ -94,6 +94,17 @@ class Sweep(Case):
         with open(os.path.join(self.target, "sweep.json"), encoding="utf-8") as file:
             return json.load(file)
 
+    def bakes(self):
+        """Processes that write into the sweep's folder."""
+        found = []
+        for number in filter(str.isdigit, os.listdir("/proc")):
+            try:
+                if self.target.encode() in read(f"/proc/{number}/cmdline"):
+                    found.append(number)
+            except OSError:
+                pass  # it has just ended
+        return found
+
     def test_the_three_files_agree_and_nothing_is_baked_twice(self):
         done = run(*self.arguments("--repeats", "2"))
         self.assert_done(done)
@@ -151,6 +162,10 @@ class Sweep(Case):
             time.sleep(0.002)
         process.send_signal(signal.SIGKILL)
         process.wait()
+        end = time.monotonic() + 10
+        while self.bakes() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertEqual(self.bakes(), [], "the bake ended with the sweep")
         before = {name: read(os.path.join(points, name)) for name in os.listdir(points) if name.endswith(".json")}
         self.assertTrue(before)
         self.assertFalse(os.path.exists(os.path.join(self.target, "sweep.html")))
