@@ -44,17 +44,26 @@ void check_size(const PageLight& found, const PageLight& expected, std::uint32_t
 
 double relative(double square, double area, double mean) { return area > 0 && mean > 0 ? std::sqrt(std::max(0.0, square / area)) / mean : 0; }
 
-/// Sums of the cells of a coarse map.
+/// Sums of the cells of a coarse map, over the part of the page where surface is.
 class MapSums {
   public:
-    MapSums(std::uint32_t width, std::uint32_t height) : step_((std::max(width, height) + map_side - 1) / map_side) {
-        map_.width = (width + step_ - 1) / step_;
-        map_.height = (height + step_ - 1) / step_;
+    explicit MapSums(const MeasuredPage& page) {
+        std::size_t last_x = 0, last_y = 0;
+        left_ = page.light.width, top_ = page.light.height;
+        for (std::size_t at = 0; at < page.area_m2.size(); ++at) {
+            if (page.area_m2[at] <= 0) continue;
+            const std::size_t x = at % page.light.width, y = at / page.light.width;
+            left_ = std::min(left_, x), top_ = std::min(top_, y), last_x = std::max(last_x, x), last_y = std::max(last_y, y);
+        }
+        if (left_ > last_x) return;  // no surface, no cells
+        step_ = (std::max(last_x - left_, last_y - top_) + map_side) / map_side;
+        map_.width = static_cast<std::uint32_t>((last_x - left_) / step_ + 1);
+        map_.height = static_cast<std::uint32_t>((last_y - top_) / step_ + 1);
         square_.resize(std::size_t{map_.width} * map_.height);
         area_.resize(square_.size());
     }
     void add(std::size_t x, std::size_t y, double error, double area) {
-        const std::size_t cell = y / step_ * map_.width + x / step_;
+        const std::size_t cell = (y - top_) / step_ * map_.width + (x - left_) / step_;
         square_[cell] += area * error * error;
         area_[cell] += area;
     }
@@ -65,7 +74,7 @@ class MapSums {
     }
 
   private:
-    std::uint32_t step_;
+    std::size_t left_ = 0, top_ = 0, step_ = 1;
     ErrorMap map_;
     std::vector<double> square_, area_;
 };
@@ -89,7 +98,7 @@ void ErrorMeter::check(const MeasuredPage& page, const ReferencePage& reference,
 void ErrorMeter::add(const MeasuredPage& page, const ReferencePage& reference) {
     check(page, reference, pages_);
     predicts_ &= !page.error.empty();
-    MapSums map(page.light.width, page.light.height);
+    MapSums map(page);
     const double dark = dark_share * mean_lux_;
     for (std::size_t at = 0; at < page.area_m2.size(); ++at) {
         const auto area = static_cast<double>(page.area_m2[at]);

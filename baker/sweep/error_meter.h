@@ -42,7 +42,7 @@ struct ErrorFigures {
     bool is_below_noise = false;
 };
 
-/// Relative error per cell of a coarse picture of one page: root of the mean square over the cell, -1 where there is no surface.
+/// Relative error per cell of a coarse picture of the part of a page where surface is: root of the mean square over the cell, -1 where there is none.
 struct ErrorMap {
     std::uint32_t width = 0, height = 0;
     std::vector<float> error;

@@ -29,7 +29,7 @@ code{font:13px/1.45 ui-monospace,monospace;background:var(--panel);padding:1px 5
 .scale{display:inline-block;width:180px;height:12px;border-radius:3px;vertical-align:-1px;margin:0 8px}
 .wide{overflow-x:auto}table{border-collapse:collapse;width:100%;font-size:13.5px}th,td{text-align:right;padding:6px 9px;border-bottom:1px solid var(--line);vertical-align:top;white-space:nowrap;font-variant-numeric:tabular-nums}
 th{color:var(--soft);font-weight:500;vertical-align:bottom;position:sticky;top:0;background:var(--back)}th:first-child,td:first-child{text-align:left;white-space:normal;min-width:260px}tr:target td{background:var(--panel)}
-td img{display:block;width:auto;height:auto;max-height:84px;max-width:190px;image-rendering:pixelated}th:last-child,td:last-child{text-align:left}td code{display:block;padding:0;background:none;color:var(--soft);font-size:12px}.whole{white-space:nowrap}summary{color:var(--soft);font-size:12px;cursor:pointer}.best{font-weight:700}.failed{color:var(--preset);text-align:left;white-space:normal}
+td img{display:block;width:150px;height:84px;object-fit:contain;object-position:left top;image-rendering:pixelated}th:last-child,td:last-child{text-align:left}td code{display:block;padding:0;background:none;color:var(--soft);font-size:12px}.whole{white-space:nowrap}summary{color:var(--soft);font-size:12px;cursor:pointer}.best{font-weight:700}.failed{color:var(--preset);text-align:left;white-space:normal}
 )";
 
 using Cost = std::function<double(const PointResult&)>;

@@ -122,6 +122,24 @@ TEST(ErrorMeter, MapsAreCoarseAndKnowWhereNothingIs) {
     EXPECT_EQ(map.error[2], 0);
 }
 
+TEST(ErrorMeter, MapsShowThePartOfThePageThatIsUsed) {
+    constexpr std::uint32_t side = 1024;
+    std::vector<float> area(side * side, 0);
+    std::vector<std::array<float, 3>> lux(side * side, grey(1)), truth(side * side, grey(1));
+    for (std::uint32_t y = 10; y < 20; ++y)
+        for (std::uint32_t x = 500; x < 540; ++x) area[y * side + x] = 1;
+    lux[19 * side + 539] = grey(3);
+    ErrorMeter meter(1);
+    meter.add(measured(page_of(side, side, lux), area), {page_of(side, side, truth), {}});
+    const ErrorMap& map = meter.maps()[0];
+    ASSERT_EQ(map.width, 40u);
+    ASSERT_EQ(map.height, 10u);
+    EXPECT_EQ(map.error.front(), 0);
+    EXPECT_EQ(map.error.back(), 2);
+    meter.add(measured(page_of(1, 1, {grey(1)}), {0}), {page_of(1, 1, {grey(1)}), {}});
+    EXPECT_TRUE(meter.maps()[1].error.empty());
+}
+
 TEST(ErrorMeter, RefusesWhatDoesNotFit) {
     ErrorMeter meter(1);
     const MeasuredPage page = measured(page_of(2, 1, {grey(1), grey(1)}), {1, 1});
