@@ -60,6 +60,11 @@ void verify(const BakeFolder& folder, const Key& strip_key, const MemoryPlan& pl
     });
 }
 
+void measure_kept(const BakeFolder& folder, BakeReport& report) {
+    for (StageReport& stage : report.stages)
+        for (KeptResult& result : stage.kept) result.bytes = folder.bytes_of(result.name);
+}
+
 }  // namespace
 
 BakeReport bake(const BakeOptions& wanted) {
@@ -100,6 +105,7 @@ BakeReport bake(const BakeOptions& wanted) {
     else if (options.verify) verify(folder, strip_key, plan, clock, report);
     write_outputs(options, *geometry, light, clock, report);
     warn_of_stop(options, report);
+    measure_kept(folder, report);
     return report;
 }
 

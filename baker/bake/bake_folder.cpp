@@ -64,6 +64,20 @@ std::filesystem::path BakeFolder::lightmaps(const Key& key) const {
     return folder;
 }
 
+std::uint64_t BakeFolder::bytes_of(const std::string& name) const {
+    std::error_code ignored;
+    const auto path = root_ / name;
+    std::uint64_t bytes = 0;
+    const auto add = [&](const std::filesystem::path& file) {
+        const auto size = std::filesystem::file_size(file, ignored);
+        if (!ignored) bytes += size;
+    };
+    if (!std::filesystem::is_directory(path, ignored)) add(path);
+    else
+        for (const auto& entry : std::filesystem::directory_iterator(path, ignored)) add(entry.path());
+    return bytes;
+}
+
 Key BakeFolder::hot_key(const Key& strips) { return KeyBuilder("hot 1").key(strips).finish(); }
 
 void BakeFolder::discard(const Key& strips, const Key& closure_key) const {

@@ -47,6 +47,9 @@ class BakeFolder {
     [[nodiscard]] std::filesystem::path accuracy(const Key& key) const;
     [[nodiscard]] std::filesystem::path lightmaps(const Key& key) const;  ///< folder, made if missing
 
+    /// Of a file or folder of the root; 0: it is not there.
+    [[nodiscard]] std::uint64_t bytes_of(const std::string& name) const;
+
     /// Key of the kept blocks of strips that are not all kept.
     static Key hot_key(const Key& strips);
 

@@ -47,6 +47,7 @@ bool EvidenceRounds::write(const LevelPlan& plan, const Key& key, StageClock& cl
     const std::size_t files_before = files_.size();
     bool is_whole = true;
     clock.stage("evidence", [&] {
+        clock.keeps(place);
         ProgressCounter progress(planned_rays(plan, *estimator_, 0, layout.patch_count()), clock.progress("rays"));
         Publisher publisher;
         bool reused = true;

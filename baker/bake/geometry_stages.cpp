@@ -97,10 +97,11 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
 }
 
 /// Returns true if the atlas was in the bake folder.
-bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, const StageClock& clock, BakedGeometry& g,
+bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, StageClock& clock, BakedGeometry& g,
                   BakeReport& report) {
     const Key key = atlas_key(g.scene, options.unwrap);
     const auto path = folder.atlas(key);
+    clock.keeps(path);
     const bool reused = std::filesystem::exists(path);
     if (reused) {
         g.atlas = load_atlas(path, key, g.scene);

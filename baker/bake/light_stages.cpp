@@ -60,6 +60,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
     clock.stage("light", [&] {
         if (!solution.is_whole) return false;
         light.folder = folder.lightmaps(light.key);
+        clock.keeps(light.folder);
         if (parts_light(options))
             light.texel_light = [&g, folder = light.folder, key = light.key](std::uint32_t page) {
                 return load_page_light(BakeFolder::lightmap_file(folder, page), key, g.texels.pages[page].texels.size()).value_or(std::vector<TexelLight>());

@@ -31,6 +31,7 @@ BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& g, con
     for (const Patch& patch : g.patches.patches) matrix.area_m2.push_back(static_cast<double>(patch.area_m2));
     matrix.cache_bytes = plan.cache_bytes;
     clock.stage("pooling", [&] {
+        clock.keeps(folder.patches(keys.strips));
         if (options.store != StoreKind::all) {
             matrix.estimator = evidence.estimator();
             // Rows of rays take a third of the bytes that the decoded blocks made of them take, and are much dearer.
@@ -40,6 +41,7 @@ BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& g, con
             return open_traced(options, folder, keys.strips, matrix, clock);
         }
         const auto place = folder.strips(keys.strips);
+        clock.keeps(place);
         const bool wrote = pool_evidence(g.layout, evidence.ids(), evidence.files(), place, keys.strips,
                                          {plan.pooling_bytes, folder.root()}, clock.progress("files"));
         matrix.strips = std::make_unique<StripStore>(place, keys.strips, g.layout);
@@ -53,6 +55,7 @@ BakedMatrix build_matrix(const BakeOptions& options, const BakedGeometry& g, con
     matrix.key = keys.closure;
     clock.stage("closure", [&] {
         const auto path = folder.closure(matrix.key);
+        clock.keeps(path);
         if (auto closure = load_closure(path, matrix.key, g.patches.count())) {
             matrix.closure = std::move(*closure);
             return true;

@@ -13,11 +13,18 @@
 
 namespace luxel {
 
+/// A file or folder of the bake folder that holds the result of a stage.
+struct KeptResult {
+    std::string name;         ///< stage and hash of all inputs (bake_folder.h): who has the same name has the same result
+    std::uint64_t bytes = 0;  ///< when the bake ended; 0: it was of use only on the way
+};
+
 struct StageReport {
     std::string name;
     double seconds = 0;
-    std::uint64_t peak_bytes = 0;  ///< highest resident size during the stage
-    bool reused = false;           ///< its result was in the bake folder
+    std::uint64_t peak_bytes = 0;    ///< highest resident size during the stage
+    bool reused = false;             ///< its result was in the bake folder
+    std::vector<KeptResult> kept{};  ///< empty: it keeps nothing
 };
 
 /// What was cut short.

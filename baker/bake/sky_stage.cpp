@@ -61,6 +61,7 @@ std::unique_ptr<const SkyInView> add_sky_light(const BakeOptions& options, const
     const Key key = sky_view_key(options, g);
     const auto path = folder.sky_view(key);
     clock.stage("sky view", [&] {
+        clock.keeps(path);
         if (std::filesystem::exists(path)) return true;
         trace_view(options, g, path, clock);
         return false;

@@ -45,12 +45,17 @@ class Rounds {
         while (wants_more()) {
             const Key key = evidence_.plan_key(evidence_.rounds());
             auto next = load_plan(folder_.plan(key), key, g_.patches.count());
-            if (!next && !is_stopping(options_)) {
+            if (next) {
+                clock_.stage("importance", [&] {
+                    clock_.keeps(folder_.plan(key));
+                    return true;
+                });
+            } else if (!is_stopping(options_)) {
                 solve(round_tolerance());
                 if (!scene_.solution.is_whole) return finish();
                 if (by_error() && judge()) return finish();
                 if (!is_stopping(options_)) {
-                    next = choose();
+                    next = choose(folder_.plan(key));
                     if (is_empty(*next)) break;
                     save_plan(folder_.plan(key), key, *next);
                 }
@@ -177,6 +182,7 @@ class Rounds {
         bool is_known = true;
         clock_.stage("accuracy", [&] {
             const auto path = folder_.accuracy(key);
+            clock_.keeps(path);
             if (auto error = load_accuracy(path, key, g_.patches.count())) {
                 scene_.error = std::move(*error);
                 return true;
@@ -201,9 +207,10 @@ class Rounds {
     }
 
     /// Stage "importance": the plan of the next round.
-    LevelPlan choose() {
+    LevelPlan choose(const std::filesystem::path& path) {
         LevelPlan next;
         clock_.stage("importance", [&] {
+            clock_.keeps(path);
             double goal = static_cast<double>(schedule(evidence_.rounds()));
             if (by_error()) {
                 // The error falls with the root of the rays; a little more than that, to be done with it.

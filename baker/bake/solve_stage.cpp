@@ -115,6 +115,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
     solution.reflectance = solvable_reflectances(g.patches, matrix.strips->tallies());
     clock.stage("solve", [&] {
         const auto path = folder.solution(solution.key);
+        clock.keeps(path);
         if (auto result = load_solution(path, solution.key, g.patches.count())) {
             solution.result = std::move(*result);
             folder.discard_checkpoint(solution.key);

@@ -10,6 +10,7 @@ namespace luxel {
 
 void StageClock::begin(const std::string& name) {
     name_ = name;
+    kept_.clear();
     // What the last stage freed goes back to the system, so that peaks belong to the stage that has them.
     ::malloc_trim(0);
     reset_peak_resident_bytes();
@@ -20,7 +21,7 @@ void StageClock::begin(const std::string& name) {
 void StageClock::end(bool reused) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started_;
     const std::uint64_t peak = peak_resident_bytes();
-    report_.stages.push_back({name_, seconds.count(), peak, reused});
+    report_.stages.push_back({name_, seconds.count(), peak, reused, std::move(kept_)});
     report_.peak_bytes = std::max(report_.peak_bytes, peak);
 }
 

@@ -1,7 +1,9 @@
 /// Times stages and carries their progress to the caller.
 #pragma once
 #include <chrono>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "baker/bake/bake.h"
 #include "baker/core/progress.h"
@@ -19,6 +21,8 @@ class StageClock {
         const bool reused = body();
         end(reused);
     }
+    /// The running stage has its result in this file or folder of the bake folder.
+    void keeps(const std::filesystem::path& result) { kept_.push_back({result.filename().string()}); }
     /// Progress of the running stage in `unit`.
     [[nodiscard]] ProgressFunction progress(const char* unit) const;
     [[nodiscard]] double last_seconds() const;
@@ -29,6 +33,7 @@ class StageClock {
     const BakeOptions& options_;
     BakeReport& report_;
     std::string name_;
+    std::vector<KeptResult> kept_;
     std::chrono::steady_clock::time_point started_;
 };
 

@@ -30,6 +30,7 @@ const char* store_name(StoreKind kind) {
 
 bool open_traced(const BakeOptions& options, const BakeFolder& folder, const Key& strips, BakedMatrix& matrix, StageClock& clock) {
     const auto path = folder.directory(strips);
+    clock.keeps(path);
     const std::uint64_t traced_before = matrix.rows->rays_traced();
     std::optional<StripDirectory> directory = load_directory(path, strips);
     const bool found = directory.has_value();
@@ -45,6 +46,7 @@ bool open_traced(const BakeOptions& options, const BakeFolder& folder, const Key
     if (budget) {
         const Key key = BakeFolder::hot_key(strips);
         const auto place = folder.hot(strips);
+        clock.keeps(place);
         keep_blocks(*matrix.rows, *directory, blocks_to_keep(*directory, *matrix.rows, budget), place, key, clock.progress("strips"));
         kept = std::make_unique<StripStore>(place, key, matrix.rows->layout());
     }

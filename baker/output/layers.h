@@ -11,7 +11,7 @@
 
 namespace luxel {
 
-enum class Layer { direct, indirect, error, sharing, samples, albedo, normal, patch, chart, valid };
+enum class Layer { direct, indirect, error, sharing, samples, albedo, normal, patch, chart, valid, area };
 
 struct LayerInfo {
     Layer layer;
@@ -24,7 +24,7 @@ struct LayerInfo {
 };
 
 /// In the order of the parts of a file. Layers are written as they are: 32 bits each.
-constexpr std::array<LayerInfo, 10> all_layers{{
+constexpr std::array<LayerInfo, 11> all_layers{{
     {Layer::direct, "direct", "irradiance", "lux", "RGB", ExrSample::float_32, true},
     {Layer::indirect, "indirect", "irradiance", "lux", "RGB", ExrSample::float_32, true},
     {Layer::error, "error", "relative error", "", "Y", ExrSample::float_32, true},
@@ -35,6 +35,7 @@ constexpr std::array<LayerInfo, 10> all_layers{{
     {Layer::patch, "patch", "number of the patch", "", "Y", ExrSample::uint_32, false},
     {Layer::chart, "chart", "number of the chart", "", "Y", ExrSample::uint_32, false},
     {Layer::valid, "valid", "state of the texel", "", "Y", ExrSample::uint_32, false},
+    {Layer::area, "area", "visible area", "m2", "Y", ExrSample::float_32, false},
 }};
 
 const LayerInfo& layer_info(Layer layer);

@@ -51,6 +51,8 @@ class PageLayers {
                 return each<std::uint32_t>(none, [&](std::size_t k) { return content_.texels[k].chart; });
             case Layer::valid:
                 return valid();
+            case Layer::area:
+                return each<float>(0, [&](std::size_t k) { return content_.texels[k].visible_m2; });
         }
         return {};
     }

@@ -35,6 +35,7 @@ constexpr std::uint32_t valid_none = 0, valid_covered = 1, valid_filled = 2, val
 ///   error, sharing, samples  0 except where a texel has light of its own
 ///   albedo, normal           of every texel that covers surface, hidden ones too; else 0
 ///   patch, chart             the same, 0xffffffff where there is none
+///   area                     of the visible surface in the texel, m2; 0 where there is none
 ///   valid                    valid_none ... valid_hidden; surface inside solids is hidden, also where its light is
 ///   filled
 /// Threads: uses them all; the values do not depend on them. Errors: Error{internal} on sizes that do not fit.

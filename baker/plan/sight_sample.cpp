@@ -12,7 +12,8 @@
 namespace luxel {
 namespace {
 
-constexpr std::size_t most_patches = 512;
+constexpr std::uint64_t most_patches = 512, least_patches = 64;
+constexpr std::uint64_t most_rays = 1 << 19;
 
 struct Sighting {
     PatchNumber from = no_patch;
@@ -21,7 +22,7 @@ struct Sighting {
 
 std::vector<Sighting> cast_some(const Estimator& estimator, std::uint64_t rays, std::size_t patches) {
     const LevelRange levels = uniform_plan(1, estimator.replicate_count(), rays).levels.front();
-    std::vector<Sighting> seen(std::min(patches, most_patches));
+    std::vector<Sighting> seen(std::min<std::size_t>(patches, std::clamp(most_rays / rays, least_patches, most_patches)));
     parallel_for(seen.size(), 4, [&](std::size_t k) {
         flush_denormals();
         seen[k].from = static_cast<PatchNumber>((2 * k + 1) * patches / (2 * seen.size()));

@@ -22,29 +22,10 @@
 
 #include "formats/image/codec.h"
 #include "formats/image/exr_check.h"
+#include "formats/image/exr_source.h"
 
 namespace luxel {
 namespace {
-
-constexpr int no_threads = 0;  // callers parallelise over pictures; threads inside would only compete with them
-
-class MemorySource : public Imf::IStream {
-  public:
-    explicit MemorySource(ByteView bytes) : IStream("memory"), bytes_(bytes) {}
-    bool read(char to[], int count) override {
-        const auto wanted = static_cast<std::size_t>(count);
-        if (count < 0 || at_ > bytes_.size() || wanted > bytes_.size() - at_) throw std::runtime_error("the file ends too early");
-        std::memcpy(to, bytes_.data() + at_, wanted);
-        at_ += wanted;
-        return at_ < bytes_.size();
-    }
-    std::uint64_t tellg() override { return at_; }
-    void seekg(std::uint64_t at) override { at_ = at; }
-
-  private:
-    ByteView bytes_;
-    std::uint64_t at_ = 0;
-};
 
 class MemorySink : public Imf::OStream {
   public:

@@ -44,9 +44,9 @@ class Plan(Case):
     def test_foresees_what_presets_take(self):
         done, plan = self.plan(FURNACE)
         self.assert_done(done)
-        draft, medium, high = plan["forecasts"]
-        self.assertEqual([f["quality"] for f in plan["forecasts"]], ["draft", "medium", "high"])
-        for less, more in ((draft, medium), (medium, high)):
+        draft, medium, high, reference = plan["forecasts"]
+        self.assertEqual([f["quality"] for f in plan["forecasts"]], ["draft", "medium", "high", "reference"])
+        for less, more in ((draft, medium), (medium, high), (high, reference)):
             for key in ("evidence_rays", "gather_rays", "pairs", "matrix_bytes", "peak_bytes"):
                 self.assertLess(less[key], more[key], key)
         for foreseen in plan["forecasts"]:
@@ -59,7 +59,7 @@ class Plan(Case):
         # Whatever the time, numbers are the same.
         again = self.plan(FURNACE, "--threads", "1")[1]["forecasts"]
         counts = [[f[key] for key in ("evidence_rays", "gather_rays", "pairs", "matrix_bytes")] for f in (*plan["forecasts"], *again)]
-        self.assertEqual(counts[:3], counts[3:])
+        self.assertEqual(counts[:4], counts[4:])
 
     def test_a_bake_takes_what_there_is_time_for(self):
         def bake(name, *arguments):

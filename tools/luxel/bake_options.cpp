@@ -21,7 +21,7 @@ struct Preset {
     std::uint32_t gather_rays, lamp_points;
     double tolerance;
 };
-constexpr std::array<Preset, 3> presets{{{qualities[0], 128, 0, 4, 1e-2}, {qualities[1], 256, 128, 4, 1e-3}, {qualities[2], 1024, 512, 16, 1e-4}}};
+constexpr std::array<Preset, 4> presets{{{qualities[0], 128, 0, 4, 1e-2}, {qualities[1], 256, 128, 4, 1e-3}, {qualities[2], 1024, 512, 16, 1e-4}, {qualities[3], 8192, 8192, 64, 1e-5}}};
 
 constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 
@@ -88,7 +88,7 @@ void add_input_options(CLI::App& command, BakeArguments& a) {
 void add_quality_options(CLI::App& command, BakeArguments& a) {
     command.add_option("--quality", a.quality, "preset of rays, gathering and tolerance")
         ->check(CLI::IsMember(std::vector<std::string>(qualities.begin(), qualities.end())))->capture_default_str()->group("Quality");
-    command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 by quality)")
+    command.add_option("--rays", a.rays, "evidence rays per patch on average (128 / 256 / 1024 / 8192 by quality)")
         ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{1} << 24))->group("Quality");
     command.add_option("--estimator", a.estimator, "of form factors: rays, or the classic hemicube for comparison")
         ->check(CLI::IsMember({"ray", "hemicube"}))->capture_default_str()->group("Quality");
@@ -102,11 +102,11 @@ void add_quality_options(CLI::App& command, BakeArguments& a) {
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather", a.gather, "light at every texel by rays of its own, as --quality and --gather-rays say; off: patches are interpolated")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
-    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512)")
+    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512 / 8192)")
         ->check(CLI::Range(0u, highest_rays))->group("Quality");
     command.add_option("--max-rays", a.max_rays, "most rays per texel, where --error asks for more than --gather-rays (16 times as many)")
         ->check(unsigned_number)->check(CLI::Range(0u, highest_rays))->group("Quality");
-    command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4)")
+    command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4 / 1e-5)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
     command.add_option("--solver", a.solver, "shooting by chunks, conjugate gradients, or as baselines gathering by strips, the series of bounces, shooting by patches; same light")
         ->check(CLI::IsMember(std::vector<std::string>(solver_names().begin(), solver_names().end())))->capture_default_str()->group("Quality");

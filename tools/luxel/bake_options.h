@@ -12,7 +12,7 @@
 namespace luxel {
 
 /// Names of --quality, the fastest first.
-inline constexpr std::array qualities{"draft", "medium", "high"};
+inline constexpr std::array qualities{"draft", "medium", "high", "reference"};
 
 /// As they were typed; values that were not given are those of the help.
 struct BakeArguments {

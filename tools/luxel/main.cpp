@@ -10,6 +10,7 @@
 #include "tools/luxel/inspect_command.h"
 #include "tools/luxel/plan_command.h"
 #include "tools/luxel/printable.h"
+#include "tools/luxel/sweep_command.h"
 
 namespace {
 
@@ -42,6 +43,7 @@ int parse_and_run(int argc, char** argv) {
     luxel::add_bake_command(program, exit_code);
     luxel::add_plan_command(program, exit_code);
     luxel::add_inspect_command(program, exit_code);
+    luxel::add_sweep_command(program, exit_code);
     try {
         program.parse(argc, argv);
     } catch (const CLI::Success& done) {

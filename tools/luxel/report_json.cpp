@@ -65,8 +65,11 @@ std::string report_json(const BakeReport& r) {
     out["previews"] = {{"written", r.previews}, {"seconds", r.preview_seconds}};
     out["energy"] = {{"unit", "lm"}, {"emitted", r.emitted_lm}, {"absorbed", r.absorbed_lm}, {"lost", r.lost_lm}};
     json& stages = out["stages"] = json::array();
-    for (const StageReport& s : r.stages)
-        stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peak_bytes}, {"reused", s.reused}});
+    for (const StageReport& s : r.stages) {
+        json kept = json::array();
+        for (const KeptResult& result : s.kept) kept.push_back({{"name", result.name}, {"bytes", result.bytes}});
+        stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peak_bytes}, {"reused", s.reused}, {"kept", kept}});
+    }
     out["memory"] = {{"budget_bytes", r.budget_bytes},
                      {"peak_bytes", r.peak_bytes},
                      {"geometry_bytes", r.geometry_bytes},

@@ -12,10 +12,10 @@ import sys
 
 ORDER = [["formats/base"], ["formats/gltf", "formats/image", "formats/bake"], ["baker/core"], ["baker/scene"], ["baker/unwrap"],
          ["baker/patches"], ["baker/trace"], ["baker/chunks"], ["baker/formfactors"], ["baker/store", "baker/solver"],
-         ["baker/accuracy"], ["baker/light"], ["baker/output"], ["baker/bake"], ["baker/plan"], ["tools"]]
+         ["baker/accuracy"], ["baker/light"], ["baker/output"], ["baker/bake", "baker/sweep"], ["baker/plan"], ["tools"]]
 # From baker rooms to formats: the decoded picture and glTF machinery is for the ends of the pipeline only.
 ONLY_FROM = {"formats/gltf": ["formats/gltf", "baker/output", "baker/bake", "tools"],
-             "formats/image": ["formats/image", "baker/output", "baker/bake", "tools"],
+             "formats/image": ["formats/image", "baker/output", "baker/bake", "baker/sweep", "tools"],
              "formats/bake": ["formats/bake", "baker/formfactors", "baker/store", "baker/solver", "baker/accuracy", "baker/bake",
                                  "tools"]}
 # Contracts that are read further up than the room they are kept in: header, first room that may include it.

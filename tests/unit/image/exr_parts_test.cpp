@@ -7,6 +7,7 @@
 
 #include <csignal>
 
+#include "formats/image/exr_part.h"
 #include "formats/image/image_file.h"
 
 namespace luxel {
@@ -66,6 +67,41 @@ TEST(ExrParts, ComeBackAsTheyWere) {
     EXPECT_EQ(read[0].texts.at("unit"), "lux");
     EXPECT_EQ(read[0].texts.at("Software"), "luxel test");
     EXPECT_EQ(read[1].texts.at("quantity"), "number of the patch");
+}
+
+TEST(ExrParts, AreReadByName) {
+    const std::vector<ExrPart> parts = heads();
+    const Bytes file = encode_exr_parts(width, height, parts, values_of);
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}}) {
+        const DecodedExrPart part = decode_exr_part(file, parts[k].name, "made.exr");
+        EXPECT_EQ(part.channels, parts[k].channels);
+        EXPECT_EQ(part.width, width);
+        EXPECT_EQ(part.height, height);
+        EXPECT_EQ(part.values, values_of(k));
+    }
+    const DecodedExrPart direct = decode_exr_part(file, "direct", "made.exr");
+    EXPECT_EQ(direct.channels, (std::vector<std::string>{"B", "G", "R"})) << "by their names";
+    const auto found = std::get<std::vector<float>>(direct.values), given = std::get<std::vector<float>>(values_of(0));
+    ASSERT_EQ(found.size(), given.size());
+    for (std::size_t pixel = 0; pixel < given.size(); pixel += 3)
+        for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(found[pixel + c], given[pixel + 2 - c]);
+}
+
+TEST(ExrParts, ThatAreNotThereOrDamagedAreNamed) {
+    const Bytes file = encode_exr_parts(width, height, heads(), values_of);
+    const auto message = [](const Bytes& bytes, const char* name) {
+        try {
+            decode_exr_part(bytes, name, "made.exr");
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code, ErrorCode::bad_input);
+            return error.where + ": " + error.what_text;
+        }
+        return std::string("read");
+    };
+    EXPECT_EQ(message(file, "beauty"), "made.exr: cannot decode as OpenEXR: expected a part \"beauty\", found direct, patch, normal");
+    EXPECT_EQ(message(encode_exr_parts(width, height, std::vector{heads()[1]}, [](std::size_t) { return values_of(1); }), "patch"), "read");
+    for (std::size_t size = 0; size < file.size(); size += 97)
+        EXPECT_TRUE(message(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size)), "normal").starts_with("made.exr: cannot decode")) << size;
 }
 
 TEST(ExrParts, OneAlone) {

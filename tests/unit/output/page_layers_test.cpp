@@ -105,11 +105,14 @@ TEST(PageLayers, NumbersAndStates) {
                valid = page.numbers(Layer::valid);
     const PageTexels& content = page.made->texels.pages[0];
     std::vector<bool> covered(page.mask.size());
+    const auto area = page.floats(Layer::area);
     std::size_t hidden = 0, filled = 0;
+    double floor_m2 = 0;
     for (const Texel& texel : content.texels) {
         const std::size_t at = page.place(texel);
         covered[at] = true;
         EXPECT_EQ(chart[at], texel.chart);
+        if (page.made->atlas.charts[texel.chart].object == 0) floor_m2 += static_cast<double>(area[at]);
         EXPECT_EQ(valid[at], content.can_send(texel) ? valid_covered : valid_hidden);
         hidden += valid[at] == valid_hidden;
         if (valid[at] == valid_covered) {
@@ -120,10 +123,12 @@ TEST(PageLayers, NumbersAndStates) {
     // The block covers one of the nine square metres of the floor, less a texel all around, and half of it is below the
     // floor, but in the open.
     EXPECT_GE(hidden, 36u);
+    EXPECT_NEAR(floor_m2, 9 - 1, 0.05) << "the floor but for what the block stands on";
     for (std::size_t at = 0; at < covered.size(); ++at) {
         if (covered[at]) continue;
         EXPECT_EQ(patch[at], 0xffffffffu);
         EXPECT_EQ(chart[at], 0xffffffffu);
+        EXPECT_EQ(area[at], 0);
         EXPECT_TRUE(valid[at] == valid_none || valid[at] == valid_filled);
         EXPECT_EQ(valid[at] == valid_filled, page.mask[at] == texel_filled);
         filled += valid[at] == valid_filled;
