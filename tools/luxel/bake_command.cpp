@@ -84,6 +84,7 @@ void add_bake_command(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand("bake", "Bake the light of a glTF scene into lightmaps");
     const auto arguments = std::make_shared<BakeArguments>();
     add_bake_options(*command, *arguments);
+    add_target_seconds(*command, *arguments);
     command->add_option("-o,--output", arguments->output, "result, .glb or .gltf")->required()->type_name("OUT");
     command->footer(
         "Examples:\n"

@@ -96,8 +96,6 @@ void add_quality_options(CLI::App& command, BakeArguments& a) {
         ->check(CLI::Range(2u, 4096u))->capture_default_str()->group("Quality");
     command.add_option("--error", a.error, "trace until the relative error of the light of patches and of texels is below this, such as 0.02")
         ->check(finite)->check(CLI::Range(1e-4, 1.0))->group("Quality");
-    command.add_option("--target-seconds", a.target_seconds, "take the best quality that will be done in this time, as luxel plan foresees it")
-        ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->group("Quality");
     command.add_option("--importance", a.importance, "after a thin first round, rays go where they help most; off: the same for all")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather", a.gather, "light at every texel by rays of its own, as --quality and --gather-rays say; off: patches are interpolated")
@@ -192,6 +190,11 @@ void add_bake_options(CLI::App& command, BakeArguments& arguments) {
     add_light_options(command, arguments);
     add_lightmap_options(command, arguments);
     add_running_options(command, arguments);
+}
+
+void add_target_seconds(CLI::App& command, BakeArguments& arguments) {
+    command.add_option("--target-seconds", arguments.target_seconds, "take the best quality that will be done in this time, as luxel plan foresees it")
+        ->check(finite)->check(CLI::Range(1e-3, 1e9))->type_name("SECONDS")->group("Quality");
 }
 
 void ask_stop_after(const BakeArguments& arguments, const CLI::App& command, StopRequest& stop) {

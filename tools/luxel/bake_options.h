@@ -32,6 +32,9 @@ struct BakeArguments {
 /// All of them but --output.
 void add_bake_options(CLI::App& command, BakeArguments& arguments);
 
+/// --target-seconds of luxel bake and plan; a sweep has one of its own.
+void add_target_seconds(CLI::App& command, BakeArguments& arguments);
+
 /// Asks `stop` for the time of --stop-after, from now on, if the user gave it.
 void ask_stop_after(const BakeArguments& arguments, const CLI::App& command, StopRequest& stop);
 

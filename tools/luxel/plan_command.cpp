@@ -82,6 +82,7 @@ void add_plan_command(CLI::App& program, int& exit_code) {
     CLI::App* command = program.add_subcommand("plan", "Say what a bake would do and what is wrong with the scene, without baking");
     const auto arguments = std::make_shared<Arguments>();
     add_bake_options(*command, arguments->bake);
+    add_target_seconds(*command, arguments->bake);
     command->add_option("--fail-on", arguments->fail_on, "findings that end with exit code 8, separated by commas, or any")->type_name("CODES")->group("Running");
     command->add_option("--target-disk", arguments->target_disk, "what the form factors may take, K/M/G: says what to do where they take more")->group("Running");
     command->footer(
