@@ -100,7 +100,7 @@ class Help(Case):
               "--report": "{folder}/report.json", "--store": "hot", "--store-bytes": "10K", "--verify": "", "--quiet": "",
               "--vertex-colours": "off", "--settings": None, "--sky": None, "--sky-color": "1,2,3", "--sky-rotate": "30", "--sky-scale": "2", "--lamp-radius": "0.5", "--sun-angle": "0.5",
               "--draco": "", "--draco-bits": "POSITION=12,LIGHTMAP=16", "--meshopt": "", "--split": "chunks", "--split-triangles": "10",
-              "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
+              "--target-seconds": None, "--stop-after": "1000", "--preview-every": "0.5", "--checkpoint-every": "7"}
 
     def test_off(self):
         self.assert_refused(run("bake", FURNACE, "-o", self.output, "--gather", "off", "--gather-rays", "8"), 1, "--gather: ")
