@@ -21,8 +21,9 @@ constexpr double gather_bytes = 125;          ///< and of gathered light
 constexpr double patch_bytes = 300;
 constexpr double resident_per_pair = 10;      ///< blocks that are decoded
 constexpr double seconds_per_pair = 5e-7;     ///< pooling, closure, solve and accuracy, of all rounds
-constexpr double seconds_per_texel = 2e-6;    ///< sharing and writing
-constexpr double first_round_share = 0.15;    ///< of the time of gathering
+constexpr double seconds_per_texel = 1e-6;    ///< of surface: joining seams, filling, spreading of drafts
+constexpr double seconds_per_page_texel = 8e-8;  ///< of pages, whether surface or not: encoding
+constexpr double first_round_share = 0.3;    ///< of the time of gathering
 
 std::uint64_t whole(double number) { return static_cast<std::uint64_t>(std::llround(std::max(number, 0.0))); }
 
@@ -51,7 +52,7 @@ Forecast forecast(const NamedOptions& named, const BakedGeometry& g, double geom
     f.seconds.geometry = geometry_seconds;
     f.seconds.matrix = static_cast<double>(f.evidence_rays) * sight.seconds_per_ray + pairs * seconds_per_pair;
     f.seconds.light = static_cast<double>(texels) * sample_light(options, g) * (1 + first_round_share);
-    f.seconds.write = static_cast<double>(texels) * seconds_per_texel;
+    f.seconds.write = static_cast<double>(texels) * seconds_per_texel + g.shown_pages * static_cast<double>(g.atlas.page_size) * g.atlas.page_size * seconds_per_page_texel;
     return f;
 }
 
