@@ -19,13 +19,19 @@ struct RunStage {
     std::map<std::string, std::uint64_t> kept;  ///< name in the bake folder -> bytes when the bake ended
 };
 
+/// What does not depend on the machine.
+struct RunFigures {
+    std::uint64_t texels = 0, patches = 0, evidence_rays = 0;
+    double rays_per_texel = 0;  ///< of gathering; 0: nothing was gathered
+    double patch_error = -1;    ///< predicted standard error of the patches' light, relative; -1: not known
+    bool is_whole = true;       ///< converged, and not stopped
+    double picture_median = 0, picture_p95 = 0;  ///< what encoding lost, of the worst page (OutputReport::error)
+};
+
 struct BakeRun {
     std::vector<RunStage> stages;
-    std::uint64_t pages = 0, texels = 0, patches = 0, evidence_rays = 0;
-    double rays_per_texel = 0;   ///< of gathering; 0: nothing was gathered
-    double standard_error = -1;  ///< of the patches' light, relative; -1: not known
-    bool is_whole = true;        ///< converged, and not stopped
-    double picture_median = 0, picture_p95 = 0;  ///< what encoding lost, of the worst page (OutputReport::error)
+    std::uint64_t pages = 0;
+    RunFigures figures{};
 };
 
 BakeRun parse_bake_run(ByteView report, const std::string& where);

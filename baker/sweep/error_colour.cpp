@@ -52,7 +52,7 @@ Colour8 error_colour(double error) {
 
 std::string colour_text(const Colour8& colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]); }
 
-std::string error_map_png(std::span<const ErrorMap> maps) {
+Bytes error_map_png(std::span<const ErrorMap> maps) {
     std::uint32_t width = 0, height = 1;
     const std::vector<std::size_t> chosen = shown(maps);
     for (const std::size_t k : chosen) {
@@ -78,8 +78,7 @@ std::string error_map_png(std::span<const ErrorMap> maps) {
     ImageMetadata metadata;
     metadata.quantity = "relative error";
     metadata.encoding = "false colours";
-    const Bytes png = encode_png_rgba(width, height, rgba, metadata);
-    return {png.begin(), png.end()};
+    return encode_png_rgba(width, height, rgba, metadata);
 }
 
 }  // namespace luxel

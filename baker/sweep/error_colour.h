@@ -9,6 +9,7 @@
 #include <string>
 
 #include "baker/sweep/error_meter.h"
+#include "formats/base/bytes.h"
 
 namespace luxel {
 
@@ -22,6 +23,6 @@ Colour8 error_colour(double relative_error);
 std::string colour_text(const Colour8& colour);
 
 /// A PNG: the maps side by side, at most four of them, those with the largest errors; without surface is transparent.
-std::string error_map_png(std::span<const ErrorMap> maps);
+Bytes error_map_png(std::span<const ErrorMap> maps);
 
 }  // namespace luxel

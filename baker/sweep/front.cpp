@@ -20,7 +20,7 @@ std::vector<std::size_t> pareto_front(std::span<const CostAndError> points) {
 const PointResult* choose_point(const std::vector<PointResult>& points, const SweepTargets& targets) {
     const PointResult* best = nullptr;
     for (const PointResult& p : points) {
-        const bool meets = !p.failed && p.is_whole && (!targets.error || p.error.relative_rmse <= *targets.error) &&
+        const bool meets = !p.failed && p.run.is_whole && (!targets.error || p.error.relative_rmse <= *targets.error) &&
                            (!targets.seconds || p.seconds <= *targets.seconds) && (!targets.disk_bytes || p.disk_bytes <= *targets.disk_bytes);
         if (!meets) continue;
         const auto worth = [&](const PointResult& q) { return targets.error ? q.seconds : q.error.relative_rmse; };

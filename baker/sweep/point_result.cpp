@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "baker/sweep/base64.h"
+#include "formats/base/base64.h"
 #include "formats/base/error.h"
 
 namespace luxel {
@@ -73,14 +73,14 @@ PointResult parse_result(const Json& json) {
     json.at("peak_bytes").get_to(r.peak_bytes);
     json.at("disk_bytes").get_to(r.disk_bytes);
     json.at("model_bytes").get_to(r.model_bytes);
-    json.at("texels").get_to(r.texels);
-    json.at("patches").get_to(r.patches);
-    json.at("evidence_rays").get_to(r.evidence_rays);
-    json.at("rays_per_texel").get_to(r.rays_per_texel);
-    r.patch_error = value_of(json.at("patch_error"));
-    json.at("picture").at("median").get_to(r.picture_median);
-    json.at("picture").at("p95").get_to(r.picture_p95);
-    json.at("converged").get_to(r.is_whole);
+    json.at("texels").get_to(r.run.texels);
+    json.at("patches").get_to(r.run.patches);
+    json.at("evidence_rays").get_to(r.run.evidence_rays);
+    json.at("rays_per_texel").get_to(r.run.rays_per_texel);
+    r.run.patch_error = value_of(json.at("patch_error"));
+    json.at("picture").at("median").get_to(r.run.picture_median);
+    json.at("picture").at("p95").get_to(r.run.picture_p95);
+    json.at("converged").get_to(r.run.is_whole);
     r.error = parse_error(json.at("error"));
     return r;
 }
@@ -101,20 +101,20 @@ nlohmann::ordered_json point_json(const PointResult& r) {
     json["peak_bytes"] = r.peak_bytes;
     json["disk_bytes"] = r.disk_bytes;
     json["model_bytes"] = r.model_bytes;
-    json["texels"] = r.texels;
-    json["patches"] = r.patches;
-    json["evidence_rays"] = r.evidence_rays;
-    json["rays_per_texel"] = r.rays_per_texel;
-    json["patch_error"] = known(r.patch_error);
-    json["picture"] = {{"median", r.picture_median}, {"p95", r.picture_p95}};
-    json["converged"] = r.is_whole;
+    json["texels"] = r.run.texels;
+    json["patches"] = r.run.patches;
+    json["evidence_rays"] = r.run.evidence_rays;
+    json["rays_per_texel"] = r.run.rays_per_texel;
+    json["patch_error"] = known(r.run.patch_error);
+    json["picture"] = {{"median", r.run.picture_median}, {"p95", r.run.picture_p95}};
+    json["converged"] = r.run.is_whole;
     json["error"] = error_json(r.error);
     return json;
 }
 
 std::string point_file(const PointResult& result) {
     Json json = point_json(result);
-    json["error_map"] = base64(result.error_map_png);
+    json["error_map"] = encode_base64(result.error_map_png);
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -122,9 +122,9 @@ PointResult parse_point_file(ByteView bytes, const std::string& where) {
     try {
         const Json json = Json::parse(bytes.begin(), bytes.end());
         PointResult result = parse_result(json);
-        const auto picture = from_base64(json.at("error_map").get<std::string>());
+        auto picture = decode_base64(json.at("error_map").get<std::string>());
         if (!picture) throw Error(ErrorCode::bad_input, where, "\"error_map\" is not base64", "remove the file and run the same command again");
-        result.error_map_png = *picture;
+        result.error_map_png = std::move(*picture);
         return result;
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::bad_input, where, std::string("damaged: ") + error.what(), "remove the file and run the same command again");

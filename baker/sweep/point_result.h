@@ -25,14 +25,10 @@ struct PointResult {
     std::uint64_t peak_bytes = 0;        ///< highest of the repeats
     std::uint64_t disk_bytes = 0;        ///< of the bake folder
     std::uint64_t model_bytes = 0;       ///< of the lightmapped scene
-    std::uint64_t texels = 0, patches = 0, evidence_rays = 0;
-    double rays_per_texel = 0;
-    double patch_error = -1;             ///< predicted standard error of the patches' light; -1: not known
-    double picture_median = 0, picture_p95 = 0;
-    bool is_whole = true;                ///< the solve met its tolerance
+    RunFigures run;
 
     ErrorFigures error;
-    std::string error_map_png;           ///< bytes of a PNG
+    Bytes error_map_png;
 };
 
 nlohmann::ordered_json point_json(const PointResult& result);

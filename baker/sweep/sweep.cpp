@@ -24,8 +24,8 @@ void forget(const std::filesystem::path& path) {
     std::filesystem::remove_all(path, ignored);
 }
 
-/// Settings that decide what stays in the bake folder: bakes with different ones would take each other's files away.
-std::string store_name(const std::vector<BakeSetting>& settings) {
+/// Of a bake folder, by the settings that decide what stays in it: bakes with different ones would take each other's files away.
+std::string work_name(const std::vector<BakeSetting>& settings) {
     std::string name;
     for (const BakeSetting& s : settings)
         if (s.option == "store" || s.option == "store-bytes") name += (name.empty() ? "" : "-") + s.value;
@@ -145,7 +145,7 @@ class Sweep {
         std::vector<std::vector<StageCost>> costs;
         for (std::uint32_t repeat = 0; repeat < options_.repeats; ++repeat) {
             const std::vector<BakeSetting> settings = merged_settings(options_.common, point.settings);
-            WorkFolder work(options_.folder / "work" / fmt::format("{}-{}", store_name(settings), repeat));
+            WorkFolder work(options_.folder / "work" / fmt::format("{}-{}", work_name(settings), repeat));
             const ChildResult child = bake(settings, work.path(), point.has_texel_errors ? "error,valid,area" : "valid,area");
             // 6: not converged, or --error not reached; there is a lightmap all the same.
             if (child.exit_code != 0 && child.exit_code != static_cast<int>(ErrorCode::stopped_early)) {
@@ -167,14 +167,7 @@ class Sweep {
         result.error_map_png = std::move(measured.error_map_png);
         result.disk_bytes = disk_bytes(run);
         result.model_bytes = std::filesystem::file_size(model_);
-        result.texels = run.texels;
-        result.patches = run.patches;
-        result.evidence_rays = run.evidence_rays;
-        result.rays_per_texel = run.rays_per_texel;
-        result.patch_error = run.standard_error;
-        result.picture_median = run.picture_median;
-        result.picture_p95 = run.picture_p95;
-        result.is_whole = run.is_whole;
+        result.run = run.figures;
     }
 
     static void add_costs(const std::vector<std::vector<StageCost>>& costs, PointResult& result) {

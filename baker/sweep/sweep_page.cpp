@@ -7,7 +7,7 @@
 #include <functional>
 #include <numeric>
 
-#include "baker/sweep/base64.h"
+#include "formats/base/base64.h"
 #include "baker/sweep/chart.h"
 #include "baker/sweep/error_colour.h"
 
@@ -148,7 +148,7 @@ class Page {
         std::string stages;
         for (const StageCost& stage : p.stages) stages += fmt::format("{} {:.2f} s\n", stage.name, stage.seconds);
         out_ += fmt::format("<td{} title=\"{}\">{:.2f}</td>", fronts_.seconds[k] ? " class=\"best\"" : "", escaped(stages), p.seconds);
-        cell((e.is_below_noise ? "&lt; " + share(std::max(e.noise, e.relative_rmse)) : share(e.relative_rmse)) + (p.is_whole ? "" : "<br>not converged"), fronts_.seconds[k]);
+        cell((e.is_below_noise ? "&lt; " + share(std::max(e.noise, e.relative_rmse)) : share(e.relative_rmse)) + (p.run.is_whole ? "" : "<br>not converged"), fronts_.seconds[k]);
         cell(fmt::format("{:+.2f} %", 100 * e.bias));
         cell(share(e.median));
         cell(share(e.p95));
@@ -157,7 +157,7 @@ class Page {
         cell(bytes(p.peak_bytes), fronts_.memory[k]);
         cell(bytes(p.disk_bytes), fronts_.disk[k]);
         cell(bytes(p.model_bytes));
-        cell("<img alt=\"error map of " + escaped(p.point.name) + "\" src=\"data:image/png;base64," + base64(p.error_map_png) + "\">");
+        cell("<img alt=\"error map of " + escaped(p.point.name) + "\" src=\"data:image/png;base64," + encode_base64(p.error_map_png) + "\">");
         out_ += "</tr>\n";
     }
 

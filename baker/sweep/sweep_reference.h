@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "baker/sweep/error_meter.h"
+#include "formats/base/bytes.h"
 #include "formats/base/hash.h"
 
 namespace luxel {
@@ -43,7 +44,7 @@ std::vector<std::filesystem::path> pages_of(const std::filesystem::path& model, 
 /// How far the bake that wrote `model` is from the reference, and its error maps. `has_error`: it has the layer `error`.
 struct MeasuredBake {
     ErrorFigures figures;
-    std::string error_map_png;
+    Bytes error_map_png;
 };
 MeasuredBake measure_bake(const std::filesystem::path& model, std::uint64_t pages, bool has_error, const SweepReference& reference);
 

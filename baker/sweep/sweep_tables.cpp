@@ -42,10 +42,10 @@ std::vector<std::string> measured_fields(const PointResult& r, bool is_on_front)
     const ErrorFigures& e = r.error;
     const auto known = [](double value) { return value < 0 ? std::string() : number(value); };
     return {is_on_front ? "1" : "0", number(r.seconds), std::to_string(r.peak_bytes), std::to_string(r.disk_bytes), std::to_string(r.model_bytes),
-            std::to_string(r.texels), std::to_string(r.patches), std::to_string(r.evidence_rays), number(r.rays_per_texel), r.is_whole ? "1" : "0",
+            std::to_string(r.run.texels), std::to_string(r.run.patches), std::to_string(r.run.evidence_rays), number(r.run.rays_per_texel), r.run.is_whole ? "1" : "0",
             number(e.relative_rmse), number(e.channel_rmse[0]), number(e.channel_rmse[1]), number(e.channel_rmse[2]), number(e.bias), number(e.median), number(e.p95),
             number(e.worst.error), std::to_string(e.worst.page), std::to_string(e.worst.x), std::to_string(e.worst.y), number(e.worst.lux), number(e.worst.reference_lux),
-            known(e.predicted), known(r.patch_error), number(e.noise), e.is_below_noise ? "1" : "0", number(r.picture_median), number(r.picture_p95)};
+            known(e.predicted), known(r.run.patch_error), number(e.noise), e.is_below_noise ? "1" : "0", number(r.run.picture_median), number(r.run.picture_p95)};
 }
 
 constexpr const char* measured_names =

@@ -2,6 +2,7 @@
 
 #include <cctype>
 
+#include "formats/base/base64.h"
 #include "formats/base/file.h"
 #include "formats/gltf/gltf_json.h"
 
@@ -13,15 +14,6 @@ int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
     if (c >= 'a' && c <= 'f') return c - 'a' + 10;
     if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
-
-int base64_digit(char c) {
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    if (c == '+' || c == '-') return 62;
-    if (c == '/' || c == '_') return 63;
     return -1;
 }
 
@@ -68,27 +60,6 @@ std::optional<std::string> decode_percent(std::string_view text) {
         out.push_back(static_cast<char>(high * 16 + low));
         i += 2;
     }
-    return out;
-}
-
-std::optional<Bytes> decode_base64(std::string_view text) {
-    while (!text.empty() && (text.back() == '=' || text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
-    Bytes out;
-    out.reserve(text.size() / 4 * 3 + 3);
-    std::uint32_t held = 0;
-    int held_bits = 0;
-    for (const char c : text) {
-        if (c == '\n' || c == '\r') continue;
-        const int digit = base64_digit(c);
-        if (digit < 0) return std::nullopt;
-        held = held << 6 | static_cast<std::uint32_t>(digit);
-        held_bits += 6;
-        if (held_bits >= 8) {
-            held_bits -= 8;
-            out.push_back(static_cast<std::uint8_t>(held >> held_bits));
-        }
-    }
-    if (held_bits == 6) return std::nullopt;  // one digit alone carries no byte
     return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "formats/base/base64.h"
 #include "formats/gltf/gltf_in.h"
 #include "formats/gltf/gltf_uri.h"
 #include "tests/unit/gltf/made_gltf.h"

@@ -53,7 +53,7 @@ TEST(Front, ChoosesTheCheapestThatMeetsAllTargets) {
     EXPECT_EQ(chosen({.error = 0.01, .seconds = 10, .disk_bytes = {}}), "none");
     points[1].failed = true;
     EXPECT_EQ(chosen({.error = 0.05, .seconds = {}, .disk_bytes = {}}), "small");
-    points[2].is_whole = false;
+    points[2].run.is_whole = false;
     EXPECT_EQ(chosen({.error = 0.05, .seconds = {}, .disk_bytes = {}}), "high");
 }
 

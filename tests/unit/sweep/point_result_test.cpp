@@ -19,11 +19,11 @@ PointResult made(const char* name) {
     r.seconds = 0.125;
     r.repeat_seconds = {0.1, 0.125, 7};
     r.stages = {{"read", 0.1, 5}, {"light", 1.0 / 3, 6}};
-    r.peak_bytes = 77, r.disk_bytes = 88, r.model_bytes = 99, r.texels = 5, r.patches = 6, r.evidence_rays = std::uint64_t{1} << 40;
-    r.rays_per_texel = 12.5, r.patch_error = 0.25, r.picture_median = 0.01, r.picture_p95 = 0.02;
+    r.peak_bytes = 77, r.disk_bytes = 88, r.model_bytes = 99, r.run.texels = 5, r.run.patches = 6, r.run.evidence_rays = std::uint64_t{1} << 40;
+    r.run.rays_per_texel = 12.5, r.run.patch_error = 0.25, r.run.picture_median = 0.01, r.run.picture_p95 = 0.02;
     r.error = {.area_m2 = 3, .texels = 4, .mean_lux = 5, .relative_rmse = 0.1, .channel_rmse = {0.1, 0.2, 0.3}, .bias = -0.01, .median = 0.05, .p95 = 0.5,
                .worst = {2, 1, 3, 4, 5.5, 6.5}, .predicted = 0.09, .noise = 0.001, .is_below_noise = true};
-    r.error_map_png = std::string("\x89PNG\0\xff", 6);
+    r.error_map_png = {0x89, 'P', 'N', 'G', 0, 0xff};
     return r;
 }
 
@@ -35,9 +35,9 @@ TEST(PointResult, ComesBackFromItsFile) {
     EXPECT_EQ(point_file(parse(text)), text);
     EXPECT_EQ(parse(text).error_map_png, r.error_map_png);
     EXPECT_EQ(parse(text).point.settings, r.point.settings);
-    r.patch_error = r.error.predicted = -1;
+    r.run.patch_error = r.error.predicted = -1;
     EXPECT_EQ(parse(point_file(r)).error.predicted, -1);
-    EXPECT_EQ(parse(point_file(r)).patch_error, -1);
+    EXPECT_EQ(parse(point_file(r)).run.patch_error, -1);
 }
 
 TEST(PointResult, DamagedFilesAreNamed) {
