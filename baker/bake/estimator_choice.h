@@ -7,6 +7,9 @@
 
 namespace luxel {
 
+/// Levels of a patch that gets so many rays at once: of the hemicube all that there are.
+LevelRange first_levels(const BakeOptions& options, std::uint64_t rays);
+
 /// The geometry must outlive the estimator.
 std::unique_ptr<Estimator> make_estimator(const BakeOptions& options, const BakedGeometry& geometry);
 

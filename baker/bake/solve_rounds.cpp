@@ -8,11 +8,11 @@
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/accuracy/row_mean.h"
 #include "baker/bake/endless_light.h"
+#include "baker/bake/estimator_choice.h"
 #include "baker/bake/preview.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
 #include "baker/bake/store_stage.h"
-#include "baker/formfactors/hemicube_weights.h"
 #include "baker/patches/neighbourhoods.h"
 #include "baker/store/block_cache.h"
 #include "formats/bake/patches_file.h"
@@ -95,11 +95,9 @@ class Rounds {
         return std::min(options_.rays, static_cast<std::uint64_t>(std::min(rays, 1e12)));
     }
     [[nodiscard]] LevelPlan first_plan() const {
-        // The hemicube has all its levels at once.
-        if (!evidence_.extensible()) return {std::vector<LevelRange>(g_.patches.count(), LevelRange{0, hemicube_level})};
         const bool once = !options_.importance && !by_error();
-        return uniform_plan(g_.patches.count(), evidence_.replicates(),
-                            once ? options_.rays : std::min(by_error() ? first_rays : options_.rays, first_rays));
+        const std::uint64_t rays = once ? options_.rays : std::min(by_error() ? first_rays : options_.rays, first_rays);
+        return {std::vector<LevelRange>(g_.patches.count(), first_levels(options_, rays))};
     }
     [[nodiscard]] bool wants_more() const {
         if (!evidence_.extensible() || g_.patches.count() == 0) return false;

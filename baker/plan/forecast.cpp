@@ -13,6 +13,7 @@ namespace {
 constexpr double pairs_by_importance = 0.9;  ///< rays go where light is, and meet the same patches more often
 constexpr double bytes_per_index_bit = 0.14;  ///< a bit set of that density, compressed
 constexpr double least_pair_bytes = 0.4;
+constexpr double weight_bytes = 3;            ///< of a pair by hemicube, whose counts are fixed-point numbers
 constexpr double chunk_bytes = 650;           ///< headers and indices of a strip
 constexpr double program_bytes = 14 << 20;    ///< with its libraries
 constexpr double write_bytes = 27;            ///< per texel of a page, whether surface or not
@@ -41,13 +42,15 @@ Forecast forecast(const NamedOptions& named, const BakedGeometry& g, double geom
     std::uint64_t texels = 0;
     for (std::uint32_t page = 0; page < g.shown_pages; ++page) texels += g.texels.pages[page].texels.size();
     const SightSample sight = sample_sight(options, g);
-    const double pairs = sight.pairs * (options.importance ? pairs_by_importance : 1);
+    const bool is_hemicube = options.estimator == EstimatorKind::hemicube;
+    const double pairs = sight.pairs * (options.importance && !is_hemicube ? pairs_by_importance : 1);
+    const double pair_bytes = std::max(least_pair_bytes, bytes_per_index_bit * sight.index_bits) + (is_hemicube ? weight_bytes : 0);
     Forecast f;
     f.name = named.name;
-    f.evidence_rays = options.rays * g.patches.count();
+    f.evidence_rays = sight.rays_per_patch * g.patches.count();
     f.gather_rays = options.gather_rays * texels;
     f.pairs = whole(pairs);
-    f.matrix_bytes = whole(g.layout.chunk_count() * chunk_bytes + pairs * std::max(least_pair_bytes, bytes_per_index_bit * sight.index_bits));
+    f.matrix_bytes = whole(g.layout.chunk_count() * chunk_bytes + pairs * pair_bytes);
     f.peak_bytes = g.resident_bytes() + whole(std::min(working_bytes(options, g, static_cast<double>(texels), pairs), static_cast<double>(options.memory_bytes)));
     f.seconds.geometry = geometry_seconds;
     f.seconds.matrix = static_cast<double>(f.evidence_rays) * sight.seconds_per_ray + pairs * seconds_per_pair;

@@ -4,7 +4,7 @@
 
 #include "baker/light/gather.h"
 #include "baker/light/sky.h"
-#include "baker/core/processor_time.h"
+#include "baker/plan/processor_time.h"
 
 namespace luxel {
 namespace {

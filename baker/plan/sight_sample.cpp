@@ -6,8 +6,7 @@
 
 #include "baker/bake/estimator_choice.h"
 #include "baker/core/parallel.h"
-#include "baker/formfactors/level_plan.h"
-#include "baker/core/processor_time.h"
+#include "baker/plan/processor_time.h"
 
 namespace luxel {
 namespace {
@@ -17,19 +16,19 @@ constexpr std::uint64_t most_rays = 1 << 19;
 
 struct Sighting {
     PatchNumber from = no_patch;
-    std::map<PatchNumber, std::uint32_t> times;  ///< that its rays met each patch
+    std::map<PatchNumber, std::uint32_t> times;  ///< that its rays met each patch; of the hemicube what its pixels weigh
 };
 
-std::vector<Sighting> cast_some(const Estimator& estimator, std::uint64_t rays, std::size_t patches) {
-    const LevelRange levels = uniform_plan(1, estimator.replicate_count(), rays).levels.front();
-    std::vector<Sighting> seen(std::min<std::size_t>(patches, std::clamp(most_rays / rays, least_patches, most_patches)));
+std::vector<Sighting> cast_some(const Estimator& estimator, LevelRange levels, std::size_t patches) {
+    std::vector<Sighting> seen(std::min<std::size_t>(patches, std::clamp(most_rays / estimator.rays_of(levels), least_patches, most_patches)));
     parallel_for(seen.size(), 4, [&](std::size_t k) {
         flush_denormals();
         seen[k].from = static_cast<PatchNumber>((2 * k + 1) * patches / (2 * seen.size()));
         std::vector<Landings> landings;
         estimator.cast(seen[k].from, levels, landings);
         for (const Landings& replicate : landings)
-            for (const PatchNumber patch : replicate.patches) ++seen[k].times[patch];
+            for (std::size_t at = 0; at < replicate.patches.size(); ++at)
+                seen[k].times[replicate.patches[at]] += replicate.weights.empty() ? 1 : replicate.weights[at];
     });
     return seen;
 }
@@ -77,12 +76,13 @@ double expected_pairs(const std::vector<Sighting>& seen, const PatchSet& patches
 SightSample sample_sight(const BakeOptions& options, const BakedGeometry& g) {
     if (g.patches.count() == 0) return {};
     const auto estimator = make_estimator(options, g);
+    const LevelRange levels = first_levels(options, options.rays);
     const ProcessorTime time(options.threads);
-    const std::vector<Sighting> seen = cast_some(*estimator, options.rays, g.patches.count());
+    const std::vector<Sighting> seen = cast_some(*estimator, levels, g.patches.count());
     const double seconds = time.seconds();
-    const LevelRange levels = uniform_plan(1, estimator->replicate_count(), options.rays).levels.front();
-    const auto rays = static_cast<double>(estimator->rays_of(levels) * seen.size());
-    return {expected_pairs(seen, g.patches), index_bits(seen, g.layout), seconds / rays};
+    const std::uint64_t cast = estimator->rays_of(levels);
+    const std::uint64_t rays = options.estimator == EstimatorKind::hemicube ? cast : options.rays;  // an average, while a sample casts whole levels
+    return {expected_pairs(seen, g.patches), index_bits(seen, g.layout), rays, seconds / static_cast<double>(cast * seen.size())};
 }
 
 }  // namespace luxel

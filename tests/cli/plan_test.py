@@ -64,6 +64,16 @@ class Plan(Case):
         counts = [[f[key] for key in ("evidence_rays", "gather_rays", "pairs", "matrix_bytes")] for f in (*plan["forecasts"], *again)]
         self.assertEqual(counts[:4], counts[4:])
 
+    def test_foresees_hemicubes(self):
+        plan = self.plan(FURNACE, "--estimator", "hemicube")[1]
+        self.assert_done(run("bake", FURNACE, "-o", self.output, "--texels-per-metre", "8", "--quality", "draft", "--estimator", "hemicube", "--report", self.path("bake.json")))
+        with open(self.path("bake.json"), encoding="utf-8") as file:
+            bake = json.load(file)
+        draft = plan["forecasts"][0]
+        self.assertEqual(draft["evidence_rays"], bake["evidence"]["rays"])
+        for foreseen, found in ((draft["pairs"], bake["counts"]["pairs"]), (draft["matrix_bytes"], bake["store"]["bytes"])):
+            self.assertLess(abs(foreseen / found - 1), 0.5, (foreseen, found))
+
     def test_a_bake_takes_what_there_is_time_for(self):
         def bake(name, *arguments):
             done = run("bake", FURNACE, "-o", self.path(name + ".glb"), "--texels-per-metre", "4", "--report", self.path("bake.json"), *arguments)
