@@ -22,6 +22,7 @@ struct KeptResult {
 struct StageReport {
     std::string name;
     double seconds = 0;
+    double processor_seconds = 0;    ///< of all threads
     std::uint64_t peak_bytes = 0;    ///< highest resident size during the stage
     bool reused = false;             ///< its result was in the bake folder
     std::vector<KeptResult> kept{};  ///< empty: it keeps nothing

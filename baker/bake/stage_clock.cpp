@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "baker/core/memory.h"
+#include "baker/core/processor_time.h"
 
 namespace luxel {
 
@@ -15,13 +16,15 @@ void StageClock::begin(const std::string& name) {
     ::malloc_trim(0);
     reset_peak_resident_bytes();
     started_ = std::chrono::steady_clock::now();
+    processor_started_ = processor_seconds_now();
     if (options_.progress) options_.progress(name_, 0, 0, "");
 }
 
 void StageClock::end(bool reused) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - started_;
+    const double processor_seconds = processor_seconds_now() - processor_started_;
     const std::uint64_t peak = peak_resident_bytes();
-    report_.stages.push_back({name_, seconds.count(), peak, reused, std::move(kept_)});
+    report_.stages.push_back({name_, seconds.count(), processor_seconds, peak, reused, std::move(kept_)});
     report_.peak_bytes = std::max(report_.peak_bytes, peak);
 }
 

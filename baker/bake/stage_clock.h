@@ -35,6 +35,7 @@ class StageClock {
     std::string name_;
     std::vector<KeptResult> kept_;
     std::chrono::steady_clock::time_point started_;
+    double processor_started_ = 0;
 };
 
 }  // namespace luxel

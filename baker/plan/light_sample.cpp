@@ -4,7 +4,7 @@
 
 #include "baker/light/gather.h"
 #include "baker/light/sky.h"
-#include "baker/plan/processor_time.h"
+#include "baker/plan/idle_time.h"
 
 namespace luxel {
 namespace {
@@ -45,7 +45,7 @@ double sample_light(const BakeOptions& options, const BakedGeometry& g) {
     const auto gather = [&](std::uint32_t rays) {
         const GatherOptions gathering{rays, true, options.lamp_points, options.edge_lamp_points(), patch_side_m(options, g.atlas), options.seed, options.stop};
         std::size_t count = 0;
-        const ProcessorTime time(options.threads);
+        const IdleTime time(options.threads);
         for (std::uint32_t page = 0; page < some.pages.size(); ++page) {
             count += some.pages[page].texels.size();
             if (!some.pages[page].texels.empty()) gather_page(input, page, gathering, nullptr);

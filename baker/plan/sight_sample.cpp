@@ -6,7 +6,7 @@
 
 #include "baker/bake/estimator_choice.h"
 #include "baker/core/parallel.h"
-#include "baker/plan/processor_time.h"
+#include "baker/plan/idle_time.h"
 
 namespace luxel {
 namespace {
@@ -77,7 +77,7 @@ SightSample sample_sight(const BakeOptions& options, const BakedGeometry& g) {
     if (g.patches.count() == 0) return {};
     const auto estimator = make_estimator(options, g);
     const LevelRange levels = first_levels(options, options.rays);
-    const ProcessorTime time(options.threads);
+    const IdleTime time(options.threads);
     const std::vector<Sighting> seen = cast_some(*estimator, levels, g.patches.count());
     const double seconds = time.seconds();
     const std::uint64_t cast = estimator->rays_of(levels);

@@ -13,7 +13,7 @@ BakeRun parse_bake_run(ByteView report, const std::string& where) {
         BakeRun run;
         RunFigures& figures = run.figures;
         for (const auto& stage : json.at("stages")) {
-            RunStage& entry = run.stages.emplace_back(RunStage{stage.at("name").get<std::string>(), stage.at("seconds").get<double>(), stage.at("peak_bytes").get<std::uint64_t>(), stage.at("reused").get<bool>(), {}});
+            RunStage& entry = run.stages.emplace_back(RunStage{stage.at("name").get<std::string>(), stage.at("seconds").get<double>(), stage.at("peak_bytes").get<std::uint64_t>(), stage.at("reused").get<bool>(), {}, stage.at("processor_seconds").get<double>()});
             for (const auto& result : stage.at("kept")) entry.kept[result.at("name").get<std::string>()] = result.at("bytes").get<std::uint64_t>();
         }
         const auto &counts = json.at("counts"), &evidence = json.at("evidence");

@@ -17,6 +17,7 @@ struct RunStage {
     std::uint64_t peak_bytes = 0;
     bool reused = false;
     std::map<std::string, std::uint64_t> kept;  ///< name in the bake folder -> bytes when the bake ended
+    double processor_seconds = 0;                ///< of all threads
 };
 
 /// What does not depend on the machine.

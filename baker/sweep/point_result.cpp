@@ -68,8 +68,9 @@ PointResult parse_result(const Json& json) {
     json.at("bake").get_to(r.bake_line);
     json.at("seconds").get_to(r.seconds);
     json.at("repeat_seconds").get_to(r.repeat_seconds);
+    json.at("processor_seconds").get_to(r.processor_seconds);
     for (const Json& stage : json.at("stages"))
-        r.stages.push_back({stage.at("name").get<std::string>(), stage.at("seconds").get<double>(), stage.at("peak_bytes").get<std::uint64_t>()});
+        r.stages.push_back({stage.at("name").get<std::string>(), stage.at("seconds").get<double>(), stage.at("peak_bytes").get<std::uint64_t>(), stage.at("processor_seconds").get<double>()});
     json.at("peak_bytes").get_to(r.peak_bytes);
     json.at("disk_bytes").get_to(r.disk_bytes);
     json.at("model_bytes").get_to(r.model_bytes);
@@ -94,9 +95,10 @@ nlohmann::ordered_json point_json(const PointResult& r) {
         return json;
     }
     Json stages = Json::array();
-    for (const StageCost& stage : r.stages) stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}});
+    for (const StageCost& stage : r.stages) stages.push_back({{"name", stage.name}, {"seconds", stage.seconds}, {"peak_bytes", stage.peak_bytes}, {"processor_seconds", stage.processor_seconds}});
     json["seconds"] = r.seconds;
     json["repeat_seconds"] = r.repeat_seconds;
+    json["processor_seconds"] = r.processor_seconds;
     json["stages"] = std::move(stages);
     json["peak_bytes"] = r.peak_bytes;
     json["disk_bytes"] = r.disk_bytes;
@@ -140,16 +142,19 @@ double median_of(std::vector<double> values) {
 std::vector<StageCost> median_stages(const std::vector<std::vector<StageCost>>& runs) {
     std::vector<StageCost> result;
     for (const StageCost& first : runs.front())
-        if (std::ranges::find(result, first.name, &StageCost::name) == result.end()) result.push_back({first.name, 0, 0});
+        if (std::ranges::find(result, first.name, &StageCost::name) == result.end()) result.push_back({first.name});
     for (StageCost& stage : result) {
-        std::vector<double> seconds;
+        std::vector<double> seconds, processor_seconds;
         for (const auto& run : runs) {
-            double sum = 0;
+            double sum = 0, processor_sum = 0;
             for (const StageCost& cost : run)
-                if (cost.name == stage.name) sum += cost.seconds, stage.peak_bytes = std::max(stage.peak_bytes, cost.peak_bytes);
+                if (cost.name == stage.name)
+                    sum += cost.seconds, processor_sum += cost.processor_seconds, stage.peak_bytes = std::max(stage.peak_bytes, cost.peak_bytes);
             seconds.push_back(sum);
+            processor_seconds.push_back(processor_sum);
         }
         stage.seconds = median_of(seconds);
+        stage.processor_seconds = median_of(processor_seconds);
     }
     return result;
 }

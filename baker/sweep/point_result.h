@@ -21,6 +21,7 @@ struct PointResult {
 
     double seconds = 0;                  ///< from nothing; median of the repeats
     std::vector<double> repeat_seconds;  ///< each
+    double processor_seconds = 0;        ///< of all threads, from nothing; median of the repeats
     std::vector<StageCost> stages;       ///< by name, those of one name together; medians
     std::uint64_t peak_bytes = 0;        ///< highest of the repeats
     std::uint64_t disk_bytes = 0;        ///< of the bake folder

@@ -34,7 +34,7 @@ std::vector<StageCost> StageCosts::whole(const BakeRun& run) {
             const auto& made = made_.at(known->first);
             costs.insert(costs.end(), made.begin(), made.end());
         } else {
-            costs.push_back({stage.name, stage.seconds, stage.peak_bytes});
+            costs.push_back({stage.name, stage.seconds, stage.peak_bytes, stage.processor_seconds});
         }
         for (const auto& [name, bytes] : stage.kept) {
             if (!stage.reused) made_[name] = stage.name == choice_stage ? since_round(costs) : std::vector{costs.back()};
@@ -47,7 +47,7 @@ std::vector<StageCost> StageCosts::whole(const BakeRun& run) {
 void StageCosts::save(const std::filesystem::path& path) const {
     auto json = nlohmann::json::object();
     for (const auto& [name, stages] : made_)
-        for (const StageCost& stage : stages) json[name].push_back(nlohmann::json::array({stage.name, stage.seconds, stage.peak_bytes}));
+        for (const StageCost& stage : stages) json[name].push_back(nlohmann::json::array({stage.name, stage.seconds, stage.peak_bytes, stage.processor_seconds}));
     const std::string text = json.dump();
     publish_file(path, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
@@ -58,7 +58,7 @@ StageCosts StageCosts::load(const std::filesystem::path& path) {
         StageCosts costs;
         const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
         for (const auto& [name, stages] : json.items())
-            for (const auto& stage : stages) costs.made_[name].push_back({stage.at(0).get<std::string>(), stage.at(1).get<double>(), stage.at(2).get<std::uint64_t>()});
+            for (const auto& stage : stages) costs.made_[name].push_back({stage.at(0).get<std::string>(), stage.at(1).get<double>(), stage.at(2).get<std::uint64_t>(), stage.at(3).get<double>()});
         return costs;
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::bad_input, path.string(), std::string("damaged: ") + error.what(), "remove the file and run the same command again");
@@ -68,6 +68,12 @@ StageCosts StageCosts::load(const std::filesystem::path& path) {
 double total_seconds(const std::vector<StageCost>& stages) {
     double sum = 0;
     for (const StageCost& stage : stages) sum += stage.seconds;
+    return sum;
+}
+
+double total_processor_seconds(const std::vector<StageCost>& stages) {
+    double sum = 0;
+    for (const StageCost& stage : stages) sum += stage.processor_seconds;
     return sum;
 }
 

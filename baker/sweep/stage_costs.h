@@ -21,6 +21,7 @@ struct StageCost {
     std::string name;
     double seconds = 0;
     std::uint64_t peak_bytes = 0;
+    double processor_seconds = 0;  ///< of all threads
     bool operator==(const StageCost&) const = default;
 };
 
@@ -39,6 +40,7 @@ class StageCosts {
 };
 
 double total_seconds(const std::vector<StageCost>& stages);
+double total_processor_seconds(const std::vector<StageCost>& stages);
 std::uint64_t highest_peak(const std::vector<StageCost>& stages);
 
 }  // namespace luxel

@@ -171,11 +171,14 @@ class Sweep {
     }
 
     static void add_costs(const std::vector<std::vector<StageCost>>& costs, PointResult& result) {
+        std::vector<double> processor_seconds;
         for (const auto& run : costs) {
+            processor_seconds.push_back(total_processor_seconds(run));
             result.repeat_seconds.push_back(total_seconds(run));
             result.peak_bytes = std::max(result.peak_bytes, highest_peak(run));
         }
         result.seconds = median_of(result.repeat_seconds);
+        result.processor_seconds = median_of(processor_seconds);
         result.stages = median_stages(costs);
     }
 

@@ -41,7 +41,7 @@ std::vector<std::string> stage_names(const std::vector<PointResult>& points) {
 std::vector<std::string> measured_fields(const PointResult& r, bool is_on_front) {
     const ErrorFigures& e = r.error;
     const auto known = [](double value) { return value < 0 ? std::string() : number(value); };
-    return {is_on_front ? "1" : "0", number(r.seconds), std::to_string(r.peak_bytes), std::to_string(r.disk_bytes), std::to_string(r.model_bytes),
+    return {is_on_front ? "1" : "0", number(r.seconds), number(r.processor_seconds), std::to_string(r.peak_bytes), std::to_string(r.disk_bytes), std::to_string(r.model_bytes),
             std::to_string(r.run.texels), std::to_string(r.run.patches), std::to_string(r.run.evidence_rays), number(r.run.rays_per_texel), r.run.is_whole ? "1" : "0",
             number(e.relative_rmse), number(e.channel_rmse[0]), number(e.channel_rmse[1]), number(e.channel_rmse[2]), number(e.bias), number(e.median), number(e.p95),
             number(e.worst.error), std::to_string(e.worst.page), std::to_string(e.worst.x), std::to_string(e.worst.y), number(e.worst.lux), number(e.worst.reference_lux),
@@ -49,7 +49,7 @@ std::vector<std::string> measured_fields(const PointResult& r, bool is_on_front)
 }
 
 constexpr const char* measured_names =
-    "on_front,seconds,peak_bytes,disk_bytes,model_bytes,texels,patches,evidence_rays,rays_per_texel,converged,relative_rmse,rmse_r,rmse_g,rmse_b,bias,median,p95,"
+    "on_front,seconds,processor_seconds,peak_bytes,disk_bytes,model_bytes,texels,patches,evidence_rays,rays_per_texel,converged,relative_rmse,rmse_r,rmse_g,rmse_b,bias,median,p95,"
     "worst,worst_page,worst_x,worst_y,worst_lux,worst_reference_lux,predicted,patch_error,reference_noise,below_noise,picture_median,picture_p95";
 
 nlohmann::ordered_json targets_json(const SweepTargets& targets) {

@@ -156,7 +156,7 @@ class Help(Case):
             for member in members.split():
                 self.assertIn(member, report[part])
         for stage in report["stages"]:
-            self.assertLessEqual({"name", "seconds", "peak_bytes", "reused"}, set(stage))
+            self.assertLessEqual({"name", "seconds", "processor_seconds", "peak_bytes", "reused"}, set(stage))
         for output in report["outputs"]:
             self.assertLessEqual({"path", "kind", "quantity", "unit", "encoding", "intensity"}, set(output))
             self.assertTrue(os.path.isfile(output["path"].split("#")[0]), output)

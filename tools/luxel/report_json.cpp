@@ -68,7 +68,7 @@ std::string report_json(const BakeReport& r) {
     for (const StageReport& s : r.stages) {
         json kept = json::array();
         for (const KeptResult& result : s.kept) kept.push_back({{"name", result.name}, {"bytes", result.bytes}});
-        stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peak_bytes}, {"reused", s.reused}, {"kept", kept}});
+        stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"processor_seconds", s.processor_seconds}, {"peak_bytes", s.peak_bytes}, {"reused", s.reused}, {"kept", kept}});
     }
     out["memory"] = {{"budget_bytes", r.budget_bytes},
                      {"peak_bytes", r.peak_bytes},

@@ -18,7 +18,8 @@ PointResult made(const char* name) {
     r.bake_line = "luxel bake 'a b.glb' -o out/x.glb --quality draft --draco";
     r.seconds = 0.125;
     r.repeat_seconds = {0.1, 0.125, 7};
-    r.stages = {{"read", 0.1, 5}, {"light", 1.0 / 3, 6}};
+    r.processor_seconds = 0.25;
+    r.stages = {{"read", 0.1, 5, 0.2}, {"light", 1.0 / 3, 6, 0.5}};
     r.peak_bytes = 77, r.disk_bytes = 88, r.model_bytes = 99, r.run.texels = 5, r.run.patches = 6, r.run.evidence_rays = std::uint64_t{1} << 40;
     r.run.rays_per_texel = 12.5, r.run.patch_error = 0.25, r.run.picture_median = 0.01, r.run.picture_p95 = 0.02;
     r.error = {.area_m2 = 3, .texels = 4, .mean_lux = 5, .relative_rmse = 0.1, .channel_rmse = {0.1, 0.2, 0.3}, .bias = -0.01, .median = 0.05, .p95 = 0.5,
@@ -70,7 +71,7 @@ TEST(SweepTables, HaveEveryPointInThreeForms) {
     EXPECT_TRUE(json["points"][0]["on_front"]["seconds"]);
     const std::string csv = sweep_csv(result);
     EXPECT_EQ(std::ranges::count(csv, '\n'), 4);
-    EXPECT_NE(csv.find("\r\n\"me, \"\"dium\"\" <b>\",1,--quality draft --draco,,1,2,77,88,99,"), std::string::npos) << csv;
+    EXPECT_NE(csv.find("\r\n\"me, \"\"dium\"\" <b>\",1,--quality draft --draco,,1,2,0.25,77,88,99,"), std::string::npos) << csv;
     // A failed line has as many fields as the head.
     const std::string head = csv.substr(0, csv.find('\r')), last = csv.substr(csv.find("broken"));
     EXPECT_EQ(std::ranges::count(head, ','), std::ranges::count(last, ','));
