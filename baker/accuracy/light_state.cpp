@@ -14,6 +14,7 @@ void check(const LightState& light) {
 }
 
 bool same_channel(const LightState& light, std::size_t a, std::size_t b) {
+    if (light.each_channel) return false;
     for (std::size_t i = 0; i < light.ids.size(); ++i)
         if (light.reflectance[i][static_cast<int>(a)] != light.reflectance[i][static_cast<int>(b)] ||
             light.radiosity[i][a] != light.radiosity[i][b])

@@ -19,6 +19,7 @@ struct LightState {
     std::span<const double> open_m2;       ///< Closure::row_open_m2
     /// A number below that of the patches: those that share it lie side by side on one surface, and see nearly the same.
     std::span<const std::uint32_t> neighbourhood;
+    bool each_channel = false;  ///< channels are judged one by one, though they may be the same
 };
 
 /// Throws Error{internal} when a size differs from the others.
@@ -26,7 +27,7 @@ void check(const LightState& light);
 
 /// No patch has any radiosity in this channel.
 bool is_dark(const LightState& light, std::size_t channel);
-/// Radiosity and reflectance of every patch are the same in both channels: what holds for one holds for the other.
+/// Radiosity and reflectance of every patch are the same in both channels: what holds for one holds for the other. Never with `each_channel`.
 bool same_channel(const LightState& light, std::size_t a, std::size_t b);
 
 }  // namespace luxel

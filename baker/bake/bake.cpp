@@ -1,5 +1,6 @@
 #include "baker/bake/bake.h"
 
+#include "baker/bake/decisions.h"
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/light_stages.h"
 #include "baker/bake/memory_demand.h"
@@ -89,6 +90,8 @@ BakeReport bake(const BakeOptions& wanted) {
         });
         check_layers(options);
     }
+    for (Decision& decision : decide(options, *geometry))
+        if (!decision.runs) report.skipped.emplace_back(std::move(decision.part), std::move(decision.why));
     const MemoryPlan plan = plan_memory(options.memory_bytes, memory_demand(options, *geometry, report, threads.threads()));
     report.floor_bytes = plan.floor_bytes;
 

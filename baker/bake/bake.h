@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "baker/bake/parts.h"
 #include "baker/bake/report.h"
 #include "baker/core/stop.h"
 #include "baker/light/interpolate.h"
@@ -108,6 +109,7 @@ struct BakeOptions {
     std::uint64_t memory_bytes = std::uint64_t{2} << 30;  ///< beside the scene's geometry
     StoreKind store = StoreKind::all;
     std::uint64_t store_bytes = 0;  ///< of StoreKind::hot: bytes for kept blocks; 0: a quarter of what all of them would take
+    PartSet forced;       ///< done, though the scene does not need it
     bool verify = false;  ///< check the bake folder at the end; findings are in the report
     unsigned threads = 0;                                 ///< 0: all cores
     std::string software = "luxel";                       ///< name and version for metadata

@@ -7,6 +7,9 @@
 
 namespace luxel {
 
+/// Rays per patch of a first round that others may follow.
+constexpr std::uint64_t thin_round_rays = 64;
+
 /// Levels of a patch that gets so many rays at once: of the hemicube all that there are.
 LevelRange first_levels(const BakeOptions& options, std::uint64_t rays);
 

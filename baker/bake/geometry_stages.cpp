@@ -85,7 +85,9 @@ void read(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
                              .file = options.input.filename().string(),
                              .lamp_radius = options.lamp_radius,
                              .sun_angle_degrees = options.sun_angle_degrees,
-                             .sky = read_sky(options.sky)};
+                             .sky = read_sky(options.sky),
+                             .keep_even_textures = options.forced.has(Part::textures),
+                             .keep_dark_lamps = options.forced.has(Part::lamps)};
     g.scene = build_scene(g.record, decode, build, report.warnings);
     if (g.scene.triangles.empty())
         throw Error(ErrorCode::bad_input, options.input.string(), "the scene has no triangle with an area",
@@ -106,7 +108,9 @@ bool unwrap_scene(const BakeOptions& options, const BakeFolder& folder, StageClo
     if (reused) {
         g.atlas = load_atlas(path, key, g.scene);
     } else {
-        g.atlas = unwrap(g.scene, options.unwrap, report.warnings, clock.progress("triangles"));
+        UnwrapOptions unwrapping = options.unwrap;
+        unwrapping.each_copy = options.forced.has(Part::copies);
+        g.atlas = unwrap(g.scene, unwrapping, report.warnings, clock.progress("triangles"));
         save_atlas(path, key, g.atlas);
     }
     report.charts = g.atlas.charts.size();
@@ -168,8 +172,8 @@ Tiling number_by_chunk(const BakeOptions& options, const BakedGeometry& g) {
 }
 
 void number_patches(const BakeOptions& options, BakedGeometry& g, BakeReport& report) {
-    const std::vector<bool> open_backs = find_open_backs(g.scene, g.atlas, g.patches, *g.tracer);
-    g.patches = add_back_sides(std::move(g.patches), open_backs);
+    const std::vector<bool> backs = options.forced.has(Part::back_patches) ? find_all_backs(g.scene, g.patches) : find_open_backs(g.scene, g.atlas, g.patches, *g.tracer);
+    g.patches = add_back_sides(std::move(g.patches), backs);
     Tiling tiling = number_by_chunk(options, g);
     renumber(g.patches, tiling.new_number);
     g.layout = std::move(tiling.layout);
@@ -212,7 +216,7 @@ std::unique_ptr<BakedGeometry> prepare_geometry(const BakeOptions& options, cons
         report.texels = g->texels.texel_count();
         return false;
     });
-    g->tracer = std::make_unique<Tracer>(g->scene);
+    g->tracer = std::make_unique<Tracer>(g->scene, options.forced.has(Part::see_through) ? PassageTest::everywhere : PassageTest::where_needed);
     if (std::ranges::any_of(g->scene.objects, [](const Object& object) { return object.double_sided && object.has_lightmap; }))
         clock.stage("sides", [&] {
             choose_sides(options, *g, report);

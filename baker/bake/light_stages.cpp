@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "baker/accuracy/dark_patches.h"
 #include "baker/bake/page_lighter.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
@@ -20,6 +21,8 @@ Key light_key(const BakeOptions& options, const Key& solution) {
         .integer(options.lamp_points)
         .integer(static_cast<std::int64_t>(options.seed))
         .integer(static_cast<int>(options.interpolation))
+        .integer(options.forced.has(Part::dark_patches))
+        .integer(options.forced.has(Part::sky))
         .finish();
 }
 
@@ -45,6 +48,25 @@ class TexelErrors {
     std::uint64_t rays_ = 0;
 };
 
+/// Stage "dark patches": those whose texels need not look for light.
+std::vector<std::uint8_t> dark_patches(const BakeOptions& options, const BakedGeometry& g, const BakedSources& sources, const BakedMatrix& matrix,
+                                       const BakedSolution& solution, StageClock& clock, BakeReport& report) {
+    std::vector<std::uint8_t> dark;
+    if (!parts_light(options) || !solution.is_whole || options.forced.has(Part::dark_patches)) return dark;
+    std::vector<bool> is_lit(g.patches.count());
+    for (PatchNumber p = 0; p < is_lit.size(); ++p)
+        is_lit[p] = solution.result.radiosity[p] != Channels{} || solution.result.irradiance[p] != Channels{} || sources.lamp_irradiance[p] != Rgb(0, 0, 0);
+    if (std::ranges::all_of(is_lit, [](bool lit) { return lit; })) return dark;
+    clock.stage("dark patches", [&] {
+        ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
+        dark = find_dark_patches(strips, is_lit);
+        return false;
+    });
+    const auto count = std::ranges::count(dark, std::uint8_t{1});
+    if (count) report.skipped.emplace_back(part_name(Part::dark_patches), std::to_string(count) + " of " + std::to_string(dark.size()) + " patches, which no light reaches: nothing is gathered there");
+    return dark;
+}
+
 }  // namespace
 
 bool parts_light(const BakeOptions& options) { return options.gather_rays > 0; }
@@ -54,7 +76,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
                         StageClock& clock, BakeReport& report) {
     BakedLight light;
     light.key = light_key(options, solution.key);
-    if (options.gather_rays == 0) report.skipped.push_back({"gather", "draft quality interpolates the patches"});
+    const std::vector<std::uint8_t> dark = dark_patches(options, g, sources, matrix, solution, clock, report);
     std::uint32_t missing = g.shown_pages;
     TexelErrors errors;
     clock.stage("light", [&] {
@@ -68,7 +90,7 @@ BakedLight light_texels(const BakeOptions& options, const BakedGeometry& g, cons
         std::uint64_t texel_count = 0;
         for (std::uint32_t page = 0; page < g.shown_pages; ++page) texel_count += g.texels.pages[page].texels.size();
         ProgressCounter progress(texel_count, clock.progress("texels"));
-        PageLighter lighter(options, g, sources, matrix, solution);
+        PageLighter lighter(options, g, sources, matrix, solution, dark);
         bool reused = true;
         missing = 0;
         for (std::uint32_t page = 0; page < g.shown_pages; ++page) {

@@ -23,9 +23,9 @@ Rgb to_rgb(const Channels& c) {
 }  // namespace
 
 PageLighter::PageLighter(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources, const BakedMatrix& matrix,
-                         const BakedSolution& solution)
-    : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution) {
-    if (!g_.scene.sky.empty()) sky_.emplace(g_.scene.sky);
+                         const BakedSolution& solution, std::span<const std::uint8_t> dark)
+    : options_(options), g_(geometry), sources_(sources), matrix_(matrix), solution_(solution), dark_(dark) {
+    if (sources_.sky) sky_.emplace(g_.scene.sky);
     for (PatchNumber p = 0; p < g_.patches.count(); ++p) {
         Channels rest = solution.result.radiosity[p];
         for (std::size_t c = 0; c < 3; ++c)
@@ -103,7 +103,7 @@ std::optional<GatherInput> PageLighter::gather_input() {
 
 GatherInput PageLighter::input_now() const {
     return {g_.scene, g_.atlas, g_.texels, g_.patches, *g_.tracer, senders_->emitters, senders_->radiosity, senders_->guides,
-            sky_ ? &*sky_ : nullptr};
+            sky_ ? &*sky_ : nullptr, dark_};
 }
 
 bool PageLighter::find_senders() {

@@ -16,9 +16,9 @@ namespace luxel {
 
 class PageLighter {
   public:
-    /// References must outlive it.
+    /// References must outlive it, and `dark`: patches that no light reaches, as GatherInput has them.
     PageLighter(const BakeOptions& options, const BakedGeometry& geometry, const BakedSources& sources, const BakedMatrix& matrix,
-                const BakedSolution& solution);
+                const BakedSolution& solution, std::span<const std::uint8_t> dark = {});
 
     /// The light of a page in its parts, one per texel; of drafts, all of it is called direct. Empty: there was no time for it.
     /// Adds texels to `progress`.
@@ -55,6 +55,7 @@ class PageLighter {
     const BakedSources& sources_;
     const BakedMatrix& matrix_;
     const BakedSolution& solution_;
+    std::span<const std::uint8_t> dark_;
     std::optional<Sky> sky_;
     std::vector<Rgb> reflected_;   ///< per patch
     std::vector<Rgb> irradiance_;  ///< per patch, only for drafts

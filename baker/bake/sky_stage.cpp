@@ -72,8 +72,8 @@ std::unique_ptr<const SkyInView> add_sky_light(const BakeOptions& options, const
         if (add_binned(*sky, irradiance)) {
             add_bright_sky(g.scene, g.atlas, g.patches, *g.tracer, split.bright,
                            std::max(least_bright_points, options.lamp_points), irradiance);
-        } else {
-            report.skipped.push_back({"sky", "no surface sees it"});
+        } else if (!options.forced.has(Part::sky)) {
+            report.skipped.emplace_back(part_name(Part::sky), "no surface sees it");
             sky.reset();
         }
         return false;

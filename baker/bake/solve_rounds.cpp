@@ -7,6 +7,7 @@
 #include "baker/accuracy/ray_allocation.h"
 #include "baker/accuracy/replicate_gain.h"
 #include "baker/accuracy/row_mean.h"
+#include "baker/bake/decisions.h"
 #include "baker/bake/endless_light.h"
 #include "baker/bake/estimator_choice.h"
 #include "baker/bake/preview.h"
@@ -20,8 +21,7 @@
 namespace luxel {
 namespace {
 
-/// Rays per patch of the first round, and how much a round may add: what it learns must be worth a solve.
-constexpr std::uint64_t first_rays = 64;
+/// How much a round may add to the rays: what it learns must be worth a solve.
 constexpr double most_growth = 4;
 /// Beyond so many rays per patch on average a wanted error is given up.
 constexpr std::uint64_t most_rays = 65536;
@@ -35,7 +35,7 @@ class Rounds {
     Rounds(const BakeOptions& options, const BakedGeometry& geometry, const BakeFolder& folder, const MemoryPlan& plan,
            StageClock& clock, BakeReport& report)
         : options_(options), g_(geometry), folder_(folder), plan_(plan), clock_(clock), report_(report),
-          evidence_(options, geometry, folder),
+          evidence_(options, geometry, folder), is_needed_(needs_form_factors(options, geometry)),
           neighbourhood_(neighbourhoods(geometry.atlas, geometry.patches, neighbourhood_patches * options.patch_texels)) {}
 
     SolvedScene run() {
@@ -90,17 +90,17 @@ class Rounds {
     }
     /// Rays per patch after `round` further rounds when no error is wanted.
     [[nodiscard]] std::uint64_t schedule(std::uint32_t round) const {
-        double rays = static_cast<double>(first_rays);
+        double rays = static_cast<double>(thin_round_rays);
         for (std::uint32_t k = 0; k < round; ++k) rays *= most_growth;
         return std::min(options_.rays, static_cast<std::uint64_t>(std::min(rays, 1e12)));
     }
     [[nodiscard]] LevelPlan first_plan() const {
-        const bool once = !options_.importance && !by_error();
-        const std::uint64_t rays = once ? options_.rays : std::min(by_error() ? first_rays : options_.rays, first_rays);
+        const bool once = !options_.importance && !by_error() && is_needed_;
+        const std::uint64_t rays = once ? options_.rays : std::min(by_error() ? thin_round_rays : options_.rays, thin_round_rays);
         return {std::vector<LevelRange>(g_.patches.count(), first_levels(options_, rays))};
     }
     [[nodiscard]] bool wants_more() const {
-        if (!evidence_.extensible() || g_.patches.count() == 0) return false;
+        if (!is_needed_ || !evidence_.extensible() || g_.patches.count() == 0) return false;
         if (by_error()) return rays_per_patch() < static_cast<double>(most_rays);
         return options_.importance && schedule(evidence_.rounds() - 1) < options_.rays;
     }
@@ -155,7 +155,7 @@ class Rounds {
     };
     [[nodiscard]] LightState light(const Judged& judged) const {
         return {evidence_.ids(), scene_.matrix.area_m2, scene_.solution.reflectance, scene_.solution.result.radiosity,
-                judged.means, scene_.matrix.closure.mu, scene_.matrix.closure.row_open_m2, neighbourhood_};
+                judged.means, scene_.matrix.closure.mu, scene_.matrix.closure.row_open_m2, neighbourhood_, options_.forced.has(Part::colours)};
     }
 
     /// Luminance of all light that arrives, lamps included, area-weighted.
@@ -219,7 +219,7 @@ class Rounds {
             std::vector<double> wanted(g_.patches.count(), 1.0);
             if (options_.importance) {
                 Judged judged(scene_);
-                wanted = best_rays(judged.cache, light(judged), total, static_cast<double>(first_rays));
+                wanted = best_rays(judged.cache, light(judged), total, static_cast<double>(thin_round_rays));
             }
             next = plan_by_want(wanted, evidence_.reached(), evidence_.replicates(), static_cast<std::uint64_t>(total));
             return false;
@@ -264,18 +264,16 @@ class Rounds {
         save_patches(path, keys.strips, patches);
     }
 
-    /// The solve had nothing to do: no factor was needed.
-    void report_trivial_solve() const {
-        const auto is_black = [](const Rgb& rho) { return rho == Rgb(0, 0, 0); };
-        const auto is_dark = [](const Channels& m) { return m == Channels{0, 0, 0}; };
-        if (std::ranges::all_of(scene_.sources.emission, is_dark))
-            report_.skipped.push_back({"solve", "the scene has no light"});
-        else if (std::ranges::all_of(scene_.solution.reflectance, is_black))
-            report_.skipped.push_back({"solve", "no surface reflects light: it ends where it first arrives"});
+    /// What only the matrix and its light tell of parts that were not needed.
+    void report_skipped() const {
+        const bool is_listed = std::ranges::any_of(report_.skipped, [](const auto& entry) { return entry.first == part_name(Part::solve); });
+        if (!is_listed && std::ranges::all_of(scene_.sources.emission, [](const Channels& m) { return m == Channels{0, 0, 0}; }))
+            report_.skipped.emplace_back(part_name(Part::solve), "no light arrives anywhere");
+        if (report_.solve_path == "in memory") report_.skipped.emplace_back(part_name(Part::disk), report_.solve_path_why);
     }
 
     SolvedScene finish() {
-        report_trivial_solve();
+        report_skipped();
         judge_endless_light(options_, g_, scene_.matrix, scene_.solution, report_);
         describe_matrix();
         remove_other_store(options_, folder_, scene_.matrix.strip_key, evidence_.round_keys());
@@ -306,6 +304,7 @@ class Rounds {
     StageClock& clock_;
     BakeReport& report_;
     EvidenceRounds evidence_;
+    bool is_needed_;  ///< more than a thin first round
     std::vector<std::uint32_t> neighbourhood_;
     SolvedScene scene_;
     std::optional<Preview> preview_;

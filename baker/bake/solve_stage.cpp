@@ -45,15 +45,15 @@ void audit(const BakedGeometry& g, const BakedSources& sources, const BakedMatri
 }
 
 /// Which way the solve takes: the same operations in the same order, with or without reads of the disk after the first of each block.
-void tell_path(const BakedMatrix& matrix, BakeReport& report) {
+void tell_path(const BakedMatrix& matrix, std::uint64_t cache_bytes, BakeReport& report) {
     const ChunkLayout& layout = matrix.strips->layout();
     std::uint64_t decoded = 0;
     for (const BlockInfo& block : matrix.strips->blocks())
         decoded += BlockCache::resident_bytes(block, layout);
-    report.solve_path = decoded <= matrix.cache_bytes ? "in memory" : "out of core";
+    report.solve_path = decoded <= cache_bytes ? "in memory" : "out of core";
     char text[128];
     std::snprintf(text, sizeof text, "all decoded blocks take %.1f MB, the cache may hold %.1f MB", static_cast<double>(decoded) / 0x1p20,
-                  static_cast<double>(matrix.cache_bytes) / 0x1p20);
+                  static_cast<double>(cache_bytes) / 0x1p20);
     report.solve_path_why = text;
 }
 
@@ -92,7 +92,6 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, c
     });
     sources.sky = add_sky_light(options, g, folder, sources.lamp_irradiance, clock, report);
     sources.emission = first_light(g.patches, sources.lamp_irradiance);
-    if (g.scene.lamps.empty()) report.skipped.push_back({"lamps", "the scene has no punctual lights"});
     return sources;
 }
 
@@ -113,6 +112,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
     BakedSolution solution;
     solution.key = solution_key(options, g, matrix.key, tolerance);
     solution.reflectance = solvable_reflectances(g.patches, matrix.strips->tallies());
+    const std::uint64_t cache_bytes = options.forced.has(Part::disk) ? 0 : matrix.cache_bytes;
     clock.stage("solve", [&] {
         const auto path = folder.solution(solution.key);
         clock.keeps(path);
@@ -123,7 +123,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
         }
         ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
         // Rows that are traced again use all threads already.
-        BlockCache cache(strips, matrix.cache_bytes, options.store == StoreKind::all && options.threads != 1);
+        BlockCache cache(strips, cache_bytes, options.store == StoreKind::all && options.threads != 1);
         const auto checkpoint = folder.checkpoint(solution.key);
         SolveWatch watch(options, checkpoint, solution.key, clock.progress("pages read"), preview);
         solution.result = solve_watched(options.solver, cache, {solution.reflectance, sources.emission}, tolerance,
@@ -138,7 +138,7 @@ BakedSolution solve_patches(const BakeOptions& options, const BakedGeometry& g, 
         }
         return false;
     });
-    tell_path(matrix, report);
+    tell_path(matrix, cache_bytes, report);
     const SolveResult& result = solution.result;
     report.solver = result.solver;
     report.reads = result.reads;

@@ -11,7 +11,7 @@ namespace luxel {
 /// Light that the equation starts from; the same for every matrix of the scene.
 struct BakedSources {
     std::vector<Rgb> lamp_irradiance;  ///< direct light of lamps and sky per patch, lux
-    std::unique_ptr<const SkyInView> sky;  ///< null: no patch sees any
+    std::unique_ptr<const SkyInView> sky;  ///< null: no patch sees any: neither will texels sample it
     std::vector<Channels> emission;    ///< M: self-emission plus what is reflected of lamps and sky, lm/m2
 };
 

@@ -41,18 +41,26 @@ class TexelGather {
 
     void light(std::size_t index, GatheredPage& result) const {
         const Texel& texel = page_.texels[index];
-        if (!page_.can_send(texel)) return;
+        if (!may_have_light(texel)) return;
         gather(index, sampler_of(texel), options_.rays, seed(texel), 1, result);
     }
 
     /// As many rays as the texel has had, after `doublings` times.
     void double_rays(std::size_t index, std::uint32_t doublings, GatheredPage& result) const {
         const Texel& texel = page_.texels[index];
-        if (!page_.can_send(texel)) return;
+        if (!may_have_light(texel)) return;
         gather(index, sampler_of(texel), options_.rays << doublings, mix(seed(texel), 0x6d6f7265 + doublings), 0.5f, result);
     }
 
   private:
+    [[nodiscard]] PatchNumber patch_of(const Texel& texel) const {
+        return in_.patches.page_patch[number_][std::size_t{texel.y} * in_.patches.page_size + texel.x];
+    }
+    [[nodiscard]] bool may_have_light(const Texel& texel) const {
+        if (!page_.can_send(texel)) return false;
+        const PatchNumber patch = in_.dark.empty() ? no_patch : patch_of(texel);
+        return patch == no_patch || !in_.dark[patch];
+    }
     [[nodiscard]] SurfaceSampler sampler_of(const Texel& texel) const {
         return {in_.scene, in_.atlas, {page_.fragments.data() + texel.first_fragment, texel.fragment_count}, false};
     }
@@ -106,7 +114,7 @@ class TexelGather {
         plan.sky_rays = aimed_sky_rays(in_.sky, plan.cosine_rays);
         const SurfacePoint middle = sampler.point(0.5f, 0.5f);
         plan.middle = middle.position;
-        const PatchNumber patch = in_.patches.page_patch[number_][std::size_t{texel.y} * in_.patches.page_size + texel.x];
+        const PatchNumber patch = patch_of(texel);
         if (patch != no_patch && !in_.guides.empty()) {
             plan.warp = GuideWarp(in_.guides.of(patch));
             plan.frame = Frame(in_.patches.patches[patch].normal);

@@ -42,7 +42,8 @@ struct GatherInput {
     const EmitterSet& emitters;
     const RadiosityDetail& radiosity;  ///< without self-emission
     const LightGuides& guides;         ///< empty: plain cosine rays
-    const Sky* sky = nullptr;          ///< null: there is none
+    const Sky* sky = nullptr;          ///< null: there is none, or nothing sees it
+    std::span<const std::uint8_t> dark{};  ///< per patch: not 0 where no light comes to (accuracy/dark_patches.h): its texels cast no rays; empty: none is
 };
 
 /// Two estimates per texel from independent halves of its rays, lux: their mean is the estimate, their difference shows its noise.

@@ -15,11 +15,4 @@ struct SceneFinding {
     static constexpr std::size_t most_named = 8;
 };
 
-/// A part of the bake that a scene may or may not need.
-struct Decision {
-    std::string part;
-    bool runs = false;
-    std::string why;
-};
-
 }  // namespace luxel

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "baker/bake/decisions.h"
+#include "baker/bake/estimator_choice.h"
 #include "baker/plan/light_sample.h"
 #include "baker/plan/sight_sample.h"
 
@@ -41,7 +43,9 @@ Forecast forecast(const NamedOptions& named, const BakedGeometry& g, double geom
     const BakeOptions& options = named.options;
     std::uint64_t texels = 0;
     for (std::uint32_t page = 0; page < g.shown_pages; ++page) texels += g.texels.pages[page].texels.size();
-    const SightSample sight = sample_sight(options, g);
+    BakeOptions tracing = options;
+    if (!needs_form_factors(options, g)) tracing.rays = std::min(options.rays, thin_round_rays);
+    const SightSample sight = sample_sight(tracing, g);
     const bool is_hemicube = options.estimator == EstimatorKind::hemicube;
     const double pairs = sight.pairs * (options.importance && !is_hemicube ? pairs_by_importance : 1);
     const double pair_bytes = std::max(least_pair_bytes, bytes_per_index_bit * sight.index_bits) + (is_hemicube ? weight_bytes : 0);

@@ -2,42 +2,17 @@
 #include <cmath>
 #include <map>
 
-#include "baker/core/parallel.h"
-#include "baker/core/ray_offset.h"
-#include "baker/core/sampling.h"
-#include "baker/core/sobol.h"
 #include "baker/light/lit_sides.h"
-#include "baker/patches/patch_sampler.h"
 #include "baker/plan/lint.h"
+#include "baker/plan/open_rays.h"
 
 namespace luxel {
 namespace {
 
-constexpr std::uint32_t rays_of_patch = 16;
-constexpr std::uint64_t purpose = 0x6f70656e;  // separates these points from those of the evidence
 /// Of the light of a room, lost to the open: less is a crack that no one sees, more is a door, a window, or no room.
 constexpr double least_loss = 0.0005, most_loss = 0.25;
 /// Smaller groups of patches are things, not rooms.
 constexpr std::size_t least_patches = 16;
-
-/// Of a patch: how many of its rays leave the scene.
-std::vector<std::uint32_t> count_open_rays(const BakedGeometry& g) {
-    std::vector<std::uint32_t> open(g.patches.count());
-    parallel_for(g.patches.count(), 64, [&](std::size_t p) {
-        const auto patch = static_cast<PatchNumber>(p);
-        if (g.patches.patches[p].is_back) return;
-        const PatchSampler sampler(g.scene, g.atlas, g.patches, patch);
-        const SobolSequence sequence(mix(g.patches.patches[p].id, purpose));
-        for (std::uint32_t k = 0; k < rays_of_patch; ++k) {
-            const auto u = sequence.point(k);
-            const SurfacePoint at = sampler.point(u[0], u[1]);
-            const TraceHit hit = g.tracer->first_hit({offset_origin(at.position, at.normal, g.scene.corner_extent(at.triangle)),
-                                                      Frame(at.normal).to_world(cosine_direction(u[2], u[3])), at.triangle});
-            open[p] += hit.triangle == none;
-        }
-    });
-    return open;
-}
 
 std::string percent(double share) {
     const double rounded = std::round(share * 10000) / 100;
@@ -69,12 +44,12 @@ void lint_open_rooms(const BakedGeometry& g, std::vector<SceneFinding>& all) {
         std::map<std::string, double> losers;
         for (PatchNumber p = g.layout.first_patch[chunk]; p < g.layout.first_patch[chunk + 1]; ++p) {
             // A surface that faces the open altogether is an outer one, and no part of the room.
-            if (g.patches.patches[p].is_back || 2 * open[p] > rays_of_patch) continue;
+            if (g.patches.patches[p].is_back || 2 * open[p] > open_rays_of_patch) continue;
             const auto area = static_cast<double>(g.patches.patches[p].area_m2);
             area_m2 += area, ++count;
             if (open[p] == 0) continue;
-            lost_m2 += area * open[p] / rays_of_patch;
-            losers[object_name(g, p)] += area * open[p] / rays_of_patch;
+            lost_m2 += area * open[p] / open_rays_of_patch;
+            losers[object_name(g, p)] += area * open[p] / open_rays_of_patch;
         }
         if (count < least_patches || lost_m2 < least_loss * area_m2 || lost_m2 > most_loss * area_m2) continue;
         rooms.emplace_back(-lost_m2 / area_m2, percent(lost_m2 / area_m2) + " of a room of " + std::to_string(std::lround(area_m2)) + " m2, from " + name_losers(losers));

@@ -80,8 +80,7 @@ void lint_reflectance(const BakedGeometry& g, std::vector<SceneFinding>& all) {
 
 void lint_lamps(const BakedGeometry& g, std::vector<SceneFinding>& all) {
     SceneFinding finding{"dark-lamps", "lamps without power: intensity or colour is zero", {}, 0};
-    for (const Lamp& lamp : g.scene.lamps)
-        if (lamp.intensity == Rgb(0, 0, 0)) name(finding, lamp.name);
+    for (const std::string& lamp : g.scene.dark_lamps) name(finding, lamp);
     keep(all, std::move(finding));
 }
 

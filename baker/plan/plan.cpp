@@ -3,8 +3,9 @@
 #include "baker/bake/memory_demand.h"
 #include "baker/bake/stopping.h"
 #include "baker/core/parallel.h"
-#include "baker/plan/decisions.h"
+#include "baker/plan/foreseen_decisions.h"
 #include "baker/plan/lint.h"
+#include "baker/plan/sight_sample.h"
 
 namespace luxel {
 namespace {
@@ -44,7 +45,6 @@ PlanReport plan_bake(const BakeOptions& options, const PlanWishes& wishes) {
     const MemoryDemand demand = memory_demand(options, *geometry, report, threads.threads());
     plan.floor_bytes = memory_floor(demand);
     plan.texels_per_metre = report.texels_per_metre;
-    plan.decisions = decide(options, *geometry);
     double geometry_seconds = 0;
     for (const StageReport& stage : report.stages) geometry_seconds += stage.seconds;
     clock.stage("forecast", [&] {
@@ -55,6 +55,9 @@ PlanReport plan_bake(const BakeOptions& options, const PlanWishes& wishes) {
         plan.findings = lint_scene(*geometry);
         const std::vector<SceneFinding> of_light = lint_light(*geometry);
         plan.findings.insert(plan.findings.end(), of_light.begin(), of_light.end());
+        plan.decisions = decide(options, *geometry);
+        const std::uint64_t cache_bytes = plan_memory(std::max(options.memory_bytes, plan.floor_bytes), demand).cache_bytes;
+        foresee_decisions(options, *geometry, plan.findings, static_cast<std::uint64_t>(sample_sight(options, *geometry).pairs), cache_bytes, plan.decisions);
         return false;
     });
     refuse_if_stopping(options);

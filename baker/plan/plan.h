@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "baker/bake/bake.h"
+#include "baker/bake/decisions.h"
 #include "baker/plan/advice.h"
 #include "baker/plan/findings.h"
 #include "baker/plan/forecast.h"

@@ -118,6 +118,8 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Lamp> lamps;
+    std::vector<std::string> dark_lamps;  ///< names of those without power; they are among `lamps` only if that was asked for
+    std::uint32_t even_textures = 0;      ///< uses of textures of one colour that went into their material
     SkyMap sky;
     std::vector<bool> object_has_uv1;  ///< per object: did the file give TEXCOORD_1?
 

@@ -48,6 +48,8 @@ struct BuildOptions {
     double lamp_radius = 0;        ///< metres, of point and spot lamps that give none
     double sun_angle_degrees = 0;  ///< apparent diameter of directional lamps that give none
     SkyWish sky{};
+    bool keep_even_textures = false;  ///< textures of one colour stay textures; else their colour goes into the material
+    bool keep_dark_lamps = false;     ///< lamps without power are lamps; else their names alone are kept
 };
 
 Scene build_scene(const SceneRecord& record, const ImageDecoder& decode, const BuildOptions& options,

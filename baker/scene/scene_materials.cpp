@@ -188,6 +188,41 @@ void settle_alpha(const Scene& scene, float least_of_vertices, Material& materia
     if (least >= (material.alpha_mode == AlphaMode::mask ? material.alpha_cutoff : 1.0f)) material.alpha_mode = AlphaMode::opaque;
 }
 
+/// The one colour of a texture, if it has only one. Samples of it are that colour, up to rounding of means.
+std::optional<Rgba> only_colour(const Texture& texture) {
+    if (texture.pixels.empty() || std::ranges::any_of(texture.pixels, [&](const Rgba& pixel) { return pixel != texture.pixels[0]; })) return {};
+    return texture.pixels[0];
+}
+
+/// Puts textures of one colour into the factors that they multiply.
+void fold_even_textures(Scene& scene, Material& material) {
+    const auto fold = [&](std::uint32_t& use, const auto& multiply) {
+        if (use == none) return;
+        const auto colour = only_colour(scene.textures[use]);
+        if (!colour) return;
+        multiply(Rgb((*colour)[0], (*colour)[1], (*colour)[2]), (*colour)[3]);
+        use = none;
+        ++scene.even_textures;
+    };
+    fold(material.base_texture, [&](const Rgb& colour, float alpha) {
+        material.reflectance = material.reflectance * colour;
+        material.pane_colour = material.pane_colour * colour;
+        material.alpha *= alpha;
+    });
+    fold(material.emissive_texture, [&](const Rgb& colour, float) { material.emission = material.emission * colour; });
+    fold(material.transmission_texture, [&](const Rgb& colour, float) { material.transmission *= colour.x; });
+}
+
+/// Pixels that no material looks up any more.
+void forget_folded_pixels(Scene& scene) {
+    std::vector<bool> is_used(scene.textures.size());
+    for (const Material& material : scene.materials)
+        for (const std::uint32_t use : {material.base_texture, material.emissive_texture, material.transmission_texture})
+            if (use != none) is_used[use] = true;
+    for (std::size_t t = 0; t < is_used.size(); ++t)
+        if (!is_used[t]) scene.textures[t].pixels = {};
+}
+
 Vec3d direction_of(const Matrix44d& world) { return {-world[2][0], -world[2][1], -world[2][2]}; }
 
 bool usable(const Vec3d& v) {
@@ -245,9 +280,11 @@ void build_materials(const SceneRecord& record, const std::vector<std::optional<
                 material.transmission_texture = textures.add(from.transmission_texture, where, false);
         }
         material.blend_colours = options.blend_colours;
+        if (!options.keep_even_textures) fold_even_textures(scene, material);
         settle_alpha(scene, least_alpha[m].value_or(1), material);
         scene.materials.push_back(std::move(material));
     }
+    forget_folded_pixels(scene);
     Material default_material;
     default_material.name = "(none)";
     default_material.reflectance = Rgb(0, 0, 0);  // the default metallicFactor is 1: it mirrors
@@ -276,7 +313,9 @@ void build_lamps(const SceneRecord& record, const BuildOptions& options, Scene& 
         lamp.range = from.range > 0 && std::isfinite(from.range) ? static_cast<float>(from.range) : 0.0f;
         if (from.kind == LampKind::spot) set_cone(from, lamp, where, warnings);
         set_size(from, options, lamp, where, warnings);
-        scene.lamps.push_back(std::move(lamp));
+        const bool is_dark = lamp.intensity == Rgb(0, 0, 0);
+        if (is_dark) scene.dark_lamps.push_back(lamp.name);
+        if (!is_dark || options.keep_dark_lamps) scene.lamps.push_back(std::move(lamp));
     }
 }
 

@@ -35,16 +35,25 @@ bool back_is_open(const Scene& scene, const Atlas& atlas, const PatchSet& patche
     return fronts > 0 || (open > 0 && open < probe_rays);
 }
 
+bool is_two_sided(const Scene& scene, const PatchSet& patches, PatchNumber patch) {
+    return scene.object_of(patches.fragments_of(patch).front().triangle).double_sided;
+}
+
 }  // namespace
 
 std::vector<bool> find_open_backs(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer) {
     std::vector<std::uint8_t> open(patches.count());  // bytes: threads write neighbours
     parallel_for(patches.count(), 64, [&](std::size_t p) {
         const auto patch = static_cast<PatchNumber>(p);
-        const Object& object = scene.object_of(patches.fragments_of(patch).front().triangle);
-        open[p] = object.double_sided && back_is_open(scene, atlas, patches, patch, tracer);
+        open[p] = is_two_sided(scene, patches, patch) && back_is_open(scene, atlas, patches, patch, tracer);
     });
     return {open.begin(), open.end()};
+}
+
+std::vector<bool> find_all_backs(const Scene& scene, const PatchSet& patches) {
+    std::vector<bool> backs(patches.count());
+    for (PatchNumber p = 0; p < backs.size(); ++p) backs[p] = is_two_sided(scene, patches, p);
+    return backs;
 }
 
 }  // namespace luxel

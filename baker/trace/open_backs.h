@@ -14,4 +14,7 @@ namespace luxel {
 /// A pure function of geometry and stable ids. Threads: uses them all.
 std::vector<bool> find_open_backs(const Scene& scene, const Atlas& atlas, const PatchSet& patches, const Tracer& tracer);
 
+/// Per patch: is its surface two-sided, whether its back is open to anything or not?
+std::vector<bool> find_all_backs(const Scene& scene, const PatchSet& patches);
+
 }  // namespace luxel

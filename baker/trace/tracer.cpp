@@ -90,15 +90,15 @@ void fill_packet(const RayColumns& rays, std::size_t first, std::size_t count, i
 }  // namespace
 
 struct Tracer::State {
-    explicit State(const Scene& s) : scene(s), coincident(s) { part_by_passage(); }
+    State(const Scene& s, PassageTest test) : scene(s), coincident(s) { part_by_passage(test); }
     ~State() {
         if (tree) rtcReleaseScene(tree);
         if (device) rtcReleaseDevice(device);
     }
     /// Only surfaces that can be seen through pay for the filter: they are a geometry of their own. What casts no shadow is in none.
-    void part_by_passage() {
+    void part_by_passage(PassageTest test) {
         const auto casts = [&](std::uint32_t t) { return scene.object_of(t).casts; };
-        const auto can = [&](std::uint32_t t) { return casts(t) && scene.material_of(t).is_see_through(); };
+        const auto can = [&](std::uint32_t t) { return casts(t) && (test == PassageTest::everywhere || scene.material_of(t).is_see_through()); };
         const auto any = [&](const auto& is) {
             std::uint32_t t = 0;
             while (t < scene.triangle_count() && !is(t)) ++t;
@@ -155,7 +155,7 @@ void Tracer::State::attach(unsigned number) {
     rtcReleaseGeometry(geometry);
 }
 
-Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {
+Tracer::Tracer(const Scene& scene, PassageTest test) : state_(std::make_unique<State>(scene, test)) {
     State& s = *state_;
     const BuildOnOneThread one_thread;
     s.device = rtcNewDevice(device_settings);

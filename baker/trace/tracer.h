@@ -58,11 +58,17 @@ enum class RayCoherence {
     together  ///< eight in a row start and look nearly alike, so they may walk the tree as one
 };
 
+/// Which surfaces rays ask whether they pass.
+enum class PassageTest {
+    where_needed,
+    everywhere  ///< also those that let nothing pass: the same hits, later
+};
+
 class Tracer {
   public:
     /// Builds the tree. Keeps a reference to the scene, which must outlive the tracer.
     /// Throws Error{internal} with Embree's own words when it cannot (out of memory).
-    explicit Tracer(const Scene& scene);
+    explicit Tracer(const Scene& scene, PassageTest test = PassageTest::where_needed);
     ~Tracer();
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;

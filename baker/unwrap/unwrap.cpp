@@ -64,31 +64,40 @@ std::vector<std::uint32_t> layout_owners(const Scene& scene, const std::vector<C
     return owner;
 }
 
-/// Groups objects that take the same layout at the same density; `shape_of` gets the group of each object.
-std::vector<Shape> find_shapes(const Scene& scene, const std::vector<CopyGroup>& groups, float density, std::vector<std::uint32_t>& shape_of) {
-    std::vector<Shape> shapes;
+/// For each object the first one that has its shape and density, maybe itself; `none` for those without triangles.
+std::vector<std::uint32_t> first_of_shape(const Scene& scene) {
     std::map<std::uint64_t, std::vector<std::uint32_t>> by_content;
-    shape_of.assign(scene.objects.size(), none);
-    const std::vector<std::uint32_t> owner = layout_owners(scene, groups);
-    for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
-        if (owner[o] != o || scene.objects[o].triangle_count == 0) continue;
-        auto& candidates = by_content[scene.objects[o].content_hash];
-        for (const std::uint32_t s : candidates)
-            if (scene.objects[shapes[s].object].texels_per_metre == scene.objects[o].texels_per_metre &&
-                same_shape(scene, scene.objects[shapes[s].object], scene.objects[o])) {
-                shape_of[o] = s;
-                break;
-            }
-        if (shape_of[o] == none) {
-            shape_of[o] = static_cast<std::uint32_t>(shapes.size());
-            candidates.push_back(shape_of[o]);
-            shapes.emplace_back().object = o;
-            shapes.back().density = static_cast<double>(scene.objects[o].density(density));
-        }
+    std::vector<std::uint32_t> first(scene.objects.size(), none);
+    for (std::uint32_t o = 0; o < first.size(); ++o) {
+        const Object& object = scene.objects[o];
+        if (object.triangle_count == 0) continue;
+        auto& candidates = by_content[object.content_hash];
+        const auto found = std::ranges::find_if(candidates, [&](std::uint32_t other) {
+            return scene.objects[other].texels_per_metre == object.texels_per_metre && same_shape(scene, scene.objects[other], object);
+        });
+        first[o] = found == candidates.end() ? o : *found;
+        if (first[o] == o) candidates.push_back(o);
     }
+    return first;
+}
+
+/// Groups objects that take the same layout at the same density; `shape_of` gets the group of each object.
+std::vector<Shape> find_shapes(const Scene& scene, const UnwrapOptions& options, const std::vector<CopyGroup>& groups, float density,
+                               std::vector<std::uint32_t>& shape_of) {
+    const std::vector<std::uint32_t> owner = layout_owners(scene, groups), first = first_of_shape(scene);
+    std::vector<std::uint32_t> shape_of_first(scene.objects.size(), none);
+    std::vector<Shape> shapes;
+    shape_of.assign(scene.objects.size(), none);
     for (std::uint32_t o = 0; o < scene.objects.size(); ++o) {
-        shape_of[o] = shape_of[owner[o]];
-        if (shape_of[o] != none) ++shapes[shape_of[o]].object_count;
+        const std::uint32_t shown = first[owner[o]];
+        if (shown == none) continue;
+        shape_of[o] = shape_of_first[shown];
+        if (shape_of[o] == none || options.each_copy) {
+            shape_of[o] = shape_of_first[shown] = static_cast<std::uint32_t>(shapes.size());
+            shapes.emplace_back().object = shown;
+            shapes.back().density = static_cast<double>(scene.objects[shown].density(density));
+        }
+        ++shapes[shape_of[o]].object_count;
     }
     return shapes;
 }
@@ -243,7 +252,7 @@ Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warni
                                               ? find_copies(scene, static_cast<double>(atlas.texels_per_metre), page_side * page_side)
                                               : std::vector<CopyGroup>();
     std::vector<std::uint32_t> shape_of;
-    std::vector<Shape> shapes = find_shapes(scene, groups, atlas.texels_per_metre, shape_of);
+    std::vector<Shape> shapes = find_shapes(scene, options, groups, atlas.texels_per_metre, shape_of);
     unwrap_shapes(scene, options, shapes, progress);
     report(scene, shapes, options.piece_time_limit_s, warnings);
     atlas.chart_triangles.reserve(scene.triangle_count());
@@ -256,6 +265,13 @@ Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warni
         throw Error(ErrorCode::internal, "unwrap", fmt::format("{} triangles have no chart", lost));
     place_charts(scene, groups, atlas, warnings);
     return atlas;
+}
+
+std::size_t repeated_objects(const Scene& scene) {
+    const std::vector<std::uint32_t> first = first_of_shape(scene);
+    std::size_t count = 0;
+    for (std::uint32_t o = 0; o < first.size(); ++o) count += first[o] != none && first[o] != o;
+    return count;
 }
 
 std::uint32_t shown_page_count(const Scene& scene, const Atlas& atlas) {

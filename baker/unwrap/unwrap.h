@@ -34,6 +34,7 @@ struct UnwrapOptions {
     UvMode uv_mode = UvMode::unwrap;
     InstanceMode instances = InstanceMode::share;
     std::uint32_t piece_triangles = 1024;  ///< most triangles given to xatlas at once: its time grows with their square
+    bool each_copy = false;  ///< unwrap objects of the same shape one by one: the same charts, later
     double piece_time_limit_s = 120;       ///< last resort against a piece that never ends; it is warned about
 };
 
@@ -45,6 +46,9 @@ double automatic_density(double area_m2, std::uint32_t page_size);
 /// Progress in triangles. Errors: Error{usage} for options out of range. An empty scene gives an empty atlas.
 Atlas unwrap(const Scene& scene, const UnwrapOptions& options, std::vector<Warning>& warnings,
              const ProgressFunction& progress);
+
+/// Objects whose shape and density another one before them has: they get its charts.
+std::size_t repeated_objects(const Scene& scene);
 
 /// Pages that hold lightmaps: the first ones.
 std::uint32_t shown_page_count(const Scene& scene, const Atlas& atlas);

@@ -39,7 +39,17 @@ class Plan(Case):
         self.assertIn("sky", skipped)
         for part in bake["skipped"]:
             self.assertIn(part["part"], skipped | {"gather"})
+        for part in skipped - {"gather"}:
+            self.assertIn(part, {part["part"] for part in bake["skipped"]})
         self.assertIn("skip sky", done.stdout)
+
+    def test_says_what_is_forced(self):
+        runs = {part["part"]: (part["runs"], part["why"]) for part in self.plan(FURNACE, "--force-all")[1]["decisions"]}
+        for part in ("see-through", "back-patches", "lamps", "disk"):
+            self.assertTrue(runs[part][0], part)
+            self.assertTrue(runs[part][1].startswith("forced, though "), runs[part][1])
+        self.assert_refused(run("plan", FURNACE, "--force", "sky,clouds"), cli_test.USAGE, "--force", "clouds", "dark-patches")
+        self.assert_refused(run("plan", FURNACE, "--force", "sky", "--force-all"), cli_test.USAGE, "--force-all")
 
     def test_foresees_what_presets_take(self):
         done, plan = self.plan(FURNACE)

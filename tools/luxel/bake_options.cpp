@@ -178,6 +178,9 @@ void add_running_options(CLI::App& command, BakeArguments& a) {
     command.add_option("--checkpoint-every", a.checkpoint_s, "what a killed solve loses at most; 0: one step")
         ->check(finite)->check(CLI::Range(0.0, 1e9))->type_name("SECONDS")->capture_default_str()->group("Running");
     command.add_option("--report", a.report, "write what was done as JSON")->type_name("FILE")->group("Running");
+    command.add_option("--force", a.force, "do what this scene does not need, separated by commas: " + part_names(every_part()) + "; the same light, later (docs/needs.md)")
+        ->type_name("LIST")->group("Running");
+    command.add_flag("--force-all", a.force_all, "do all of that")->excludes("--force")->group("Running");
     command.add_flag("--verify", a.verify, "at the end check everything in the bake folder, as luxel inspect --verify does")->group("Running");
     command.add_flag("-q,--quiet", a.quiet, "no progress, no summary")->group("Running");
 }
@@ -271,6 +274,7 @@ BakeOptions resolve_bake_options(const BakeArguments& a, const CLI::App& command
     o.seed = a.seed;
     o.memory_bytes = parse_bytes(a.memory, "--memory");
     o.threads = a.threads;
+    o.forced = a.force_all ? every_part() : parse_parts(a.force, "--force");
     o.verify = a.verify;
     o.preview_s = a.preview_s;
     o.checkpoint_s = a.checkpoint_s;
@@ -338,6 +342,7 @@ std::vector<std::pair<std::string, std::string>> bake_settings(const BakeArgumen
             {"stop-after", a.stop_after_s > 0 ? fmt::format("{}", a.stop_after_s) : "none"},
             {"preview-every", a.preview_s > 0 ? fmt::format("{}", a.preview_s) : "none"},
             {"checkpoint-every", fmt::format("{}", a.checkpoint_s)},
+            {"force", part_names(o.forced)},
             {"verify", a.verify ? "on" : "off"},
             {"work", a.work}};
 }

@@ -18,7 +18,7 @@ inline constexpr std::array qualities{"draft", "medium", "high", "reference"};
 struct BakeArguments {
     std::string input, output, quality = "medium", uv = "unwrap", memory = "2G", work, report, interpolation = "linear", aov,
                                 seams = "join", importance = "on", estimator = "ray",
-                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", two_sided = "front", vertex_colours = "on", settings;
+                                chunks = "rooms", store = "all", store_bytes, solver = "shoot", scene, bad_values = "clamp", blend_colour = "off", gather = "on", instances = "share", two_sided = "front", vertex_colours = "on", settings, force;
     std::string sky, sky_color;
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
@@ -26,7 +26,7 @@ struct BakeArguments {
     std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
-    bool verify = false, quiet = false, skip_skinned = false, allow_outside = false;
+    bool verify = false, force_all = false, quiet = false, skip_skinned = false, allow_outside = false;
 };
 
 /// All of them but --output.

@@ -366,7 +366,7 @@ TEST(SceneBuild, ThePictureBesideOneThatCannotBeDecodedIsTaken) {
         if (texture.image == static_cast<int>(broken)) texture.other = 0;
     const ImageDecoder decode = [](ByteView, const std::string& name) -> std::optional<DecodedImage> {
         if (name == "broken") return std::nullopt;
-        return DecodedImage{1, 1, {{1.0f, 0.0f, 0.0f, 1.0f}}};
+        return DecodedImage{2, 1, {{1.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 1.0f, 0.0f, 1.0f}}};
     };
     const Built built(record, decode);
     ASSERT_NE(built.scene.materials[2].base_texture, none);
@@ -380,11 +380,47 @@ TEST(SceneBuild, TexturesWithoutCoordinatesAreNamed) {
     SceneRecord record = textured_record();
     record.materials[0].base_color_texture.uv_set = 1;
     record.materials[1].base_color_texture.uv_set = 5;
-    const ImageDecoder decode = [](ByteView, const std::string&) { return DecodedImage{1, 1, {{0.5f, 0.5f, 0.5f, 1.0f}}}; };
+    const ImageDecoder decode = [](ByteView, const std::string&) { return DecodedImage{2, 1, {{0.5f, 0.5f, 0.5f, 1.0f}, {1, 1, 1, 1}}}; };
     const Built built(record, decode);
     EXPECT_EQ(built.count("no-uv"), 1);
     EXPECT_EQ(built.count("uv-set"), 1);
     EXPECT_EQ(built.scene.materials[1].base_texture, none);
+}
+
+/// Decodes to one colour: sRGB 128, and 64 of alpha.
+std::optional<DecodedImage> even_picture(ByteView, const std::string&) {
+    return DecodedImage{2, 2, std::vector<std::array<float, 4>>(4, {128.0f / 255.0f, 1.0f, 0.0f, 64.0f / 255.0f})};
+}
+
+TEST(SceneBuild, TexturesOfOneColourGoIntoTheirMaterial) {
+    SceneRecord record = textured_record();
+    record.materials[0].base_color = {0.5, 0.5, 0.5, 0.5};
+    record.materials[0].alpha_mode = AlphaMode::blend;
+    const Built folded(record, even_picture), kept(record, even_picture, {.keep_even_textures = true});
+    const Material& material = folded.scene.materials[0];
+    EXPECT_EQ(material.base_texture, none);
+    EXPECT_EQ(material.emissive_texture, none);
+    EXPECT_NE(kept.scene.materials[0].base_texture, none);
+    EXPECT_GE(folded.scene.even_textures, 2u);
+    EXPECT_EQ(kept.scene.even_textures, 0u);
+    for (const Texture& texture : folded.scene.textures) EXPECT_TRUE(texture.pixels.empty()) << "nothing looks it up";
+    // As bits: a sample of equal pixels is that pixel.
+    EXPECT_EQ(surface_reflectance(folded.scene, 0, 0.3f, 0.3f), surface_reflectance(kept.scene, 0, 0.3f, 0.3f));
+    EXPECT_EQ(surface_emission(folded.scene, 0, 0.3f, 0.3f), surface_emission(kept.scene, 0, 0.3f, 0.3f));
+    EXPECT_EQ(surface_alpha(folded.scene, 0, 0.3f, 0.3f), surface_alpha(kept.scene, 0, 0.3f, 0.3f));
+    EXPECT_NEAR(material.reflectance.x, 0.5 * 0.215861, 1e-6);
+    EXPECT_EQ(material.alpha, 0.5f * (64.0f / 255.0f));
+}
+
+TEST(SceneBuild, OfLampsWithoutPowerTheNamesAreKept) {
+    SceneRecord record = quad_record();
+    record.lamps = {{.kind = LampKind::point, .node_path = "/off", .intensity = {0, 0, 0}, .world = Matrix44d()},
+                    {.kind = LampKind::point, .node_path = "/on", .intensity = {0, 1, 0}, .world = Matrix44d()}};
+    const Built built(record), all(record, {}, {.keep_dark_lamps = true});
+    ASSERT_EQ(built.scene.lamps.size(), 1u);
+    EXPECT_EQ(built.scene.lamps[0].name, "/on");
+    EXPECT_THAT(built.scene.dark_lamps, ElementsAre("/off"));
+    EXPECT_EQ(all.scene.lamps.size(), 2u);
 }
 
 TEST(SceneBuild, Lamps) {

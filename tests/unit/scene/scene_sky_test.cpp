@@ -150,6 +150,7 @@ TEST(SceneLamps, TransformsChangePlaceAndDirectionOnly) {
 TEST(SceneLamps, SizesOfTheFileComeBeforeTheOptions) {
     SceneRecord record;
     record.lamps.resize(4);
+    for (LampRecord& lamp : record.lamps) lamp.intensity = {1, 1, 1};
     record.lamps[1].radius = 0;
     record.lamps[2].kind = record.lamps[3].kind = LampKind::directional;
     record.lamps[3].angle_degrees = 2;

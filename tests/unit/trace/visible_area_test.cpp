@@ -250,14 +250,15 @@ TEST(VisibleArea, WhatShinesKeepsTheInside) {
 }
 
 TEST(VisibleArea, ALampInsideKeepsTheInside) {
-    // A house that was modelled from outside only, with and without a lamp in it.
+    // A house that was modelled from outside only; the lamp in it is on or off.
     const auto make = [](bool lit) {
         SceneMaker maker;
         maker.add("house", moved(box(4, 3, 4), {0, -0.5f, 0})).add("ground", quad({-2, 0, -2}, {0, 0, 8}, {8, 0, 0}));
         LampRecord lamp;
         lamp.kind = LampKind::point;
         lamp.world.setTranslation(Vec3d(2, 2, 2));
-        if (lit) maker.add_lamp(lamp);
+        lamp.intensity = lit ? std::array{1.0, 1.0, 1.0} : std::array{0.0, 0.0, 0.0};
+        maker.add_lamp(lamp);
         return test::prepare(maker.build());
     };
     const auto inside = [](const Vec3d& p) { return p.x > 0.2 && p.x < 3.8 && p.z > 0.2 && p.z < 3.8; };
