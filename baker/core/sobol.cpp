@@ -66,6 +66,16 @@ constexpr std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
 
+/// As laine_karras, with less in common between near numbers: nothing but this decides which points go together (constants of Vegdahl 2021).
+constexpr std::uint32_t order_hash(std::uint32_t x, std::uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
 std::uint32_t sobol(std::size_t dimension, std::uint32_t index) {
     const auto& table = tables.value[dimension];
     return table[0][index & 0xff] ^ table[1][(index >> 8) & 0xff] ^ table[2][(index >> 16) & 0xff] ^ table[3][index >> 24];
@@ -94,6 +104,14 @@ void SobolSequence::points(std::uint32_t begin, std::array<std::array<float, bat
         const auto& low = tables.value[d][0];
         for (std::uint32_t k = 0; k < batch; ++k) out[d][k] = to_unit(owen_scramble(high ^ low[k], seed));
     }
+}
+
+// Any number apart from those of the dimensions.
+ShuffledSobol::ShuffledSobol(std::uint64_t seed) : sequence_(seed), order_seed_(static_cast<std::uint32_t>(mix(seed, 0x6f72646572))) {}
+
+std::array<float, 4> ShuffledSobol::point(std::uint32_t index) const {
+    // Scrambled as a number: runs of 2^k indexes that begin at a multiple of 2^k stay such runs.
+    return sequence_.point(reverse_bits(order_hash(reverse_bits(index), order_seed_)));
 }
 
 }  // namespace luxel

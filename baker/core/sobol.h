@@ -32,4 +32,21 @@ class SobolSequence {
     std::array<std::uint32_t, 4> dimension_seed_;
 };
 
+/// A scrambled sequence in an order of its own: further dimensions for points whose first ones are another sequence's. Scrambling
+/// keeps what points with near indexes have in common, so two sequences in the same order visit the same small part of
+/// all pairs again and again, and what they estimate together does not converge however many points there are.
+/// The first 2^k points, each aligned run of as many too, are stratified as those of SobolSequence.
+/// Source: Burley, Practical Hash-based Owen Scrambling, JCGT 9(4) 2020 (shuffled scrambled Sobol points); Vegdahl, Building a Better LK
+/// Hash, 2021 (the permutation).
+class ShuffledSobol {
+  public:
+    /// Points of one index, of sequences with other seeds, are independent.
+    explicit ShuffledSobol(std::uint64_t seed);
+    [[nodiscard]] std::array<float, 4> point(std::uint32_t index) const;
+
+  private:
+    SobolSequence sequence_;
+    std::uint32_t order_seed_;
+};
+
 }  // namespace luxel

@@ -133,7 +133,8 @@ class TexelGather {
     }
 
     [[nodiscard]] HalfLight indirect(const SurfaceSampler& sampler, const Plan& shares, NearLight& near, std::uint64_t own_seed) const {
-        const SobolSequence sequence(own_seed), aims(mix(own_seed, 0x61696d));
+        const SobolSequence sequence(own_seed);
+        const ShuffledSobol aims(mix(own_seed, 0x61696d));
         near.start(own_seed);
         std::vector<NearVertex> vertices;
         LightSum emitted, reflected;
@@ -198,7 +199,7 @@ class TexelGather {
         return weights;
     }
 
-    void cast_aimed(const SurfaceSampler& sampler, const SobolSequence& sequence, const SobolSequence& aims,
+    void cast_aimed(const SurfaceSampler& sampler, const SobolSequence& sequence, const ShuffledSobol& aims,
                     const Plan& shares, std::uint32_t begin, std::uint32_t end, TexelRays& batch) const {
         batch.count = 0;
         for (std::uint32_t k = begin; k < end; ++k) {

@@ -95,7 +95,7 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
     make_tables();
     std::vector<std::array<float, 4>> random;
     for (std::uint32_t depth = 0; !vertices.empty(); ++depth) {
-        const SobolSequence sequence(mix(seed_, path_purpose + depth));
+        const ShuffledSobol sequence(mix(seed_, path_purpose + depth));
         random.clear();
         for (const NearVertex& at : vertices) random.push_back(sequence.point(at.ray));
         if (!in_.scene.lamps.empty()) add_lamps(vertices, random, sum);
@@ -103,8 +103,9 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
         add_aimed_sky(in_, vertices, mix(seed_, depth), sum);
         ray_count_ += aimed_sky_rays(in_.sky, 1) * static_cast<std::uint32_t>(vertices.size());
         follow(vertices, random, depth, sum);
-        if (depth > 0) thin_out(vertices, SobolSequence(mix(seed_, thin_purpose)).point(depth)[0]);
+        if (depth > 0) thin_out(vertices, ShuffledSobol(mix(seed_, thin_purpose + depth)).point(batch_number_)[0]);
     }
+    ++batch_number_;
 }
 
 std::optional<LampTable::Choice> NearLight::choose_lamp(const NearVertex& at, float random) const {
@@ -134,7 +135,7 @@ float NearLight::emitter_weight(const TraceRay& ray, const TraceHit& hit, PatchN
 }
 
 void NearLight::add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum) {
-    const SobolSequence aims(mix(seed_, aim_purpose + depth));
+    const ShuffledSobol aims(mix(seed_, aim_purpose + depth));
     Rays aimed;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];

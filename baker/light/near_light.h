@@ -43,7 +43,7 @@ class NearLight {
         : in_(input), reach_m_(reach_m), position_(texel_position), aim_(aim) {}
 
     /// Begins with other rays of the texel. `seed`: theirs.
-    void start(std::uint64_t seed) { seed_ = seed, ray_count_ = 0; }
+    void start(std::uint64_t seed) { seed_ = seed, ray_count_ = 0, batch_number_ = 0; }
 
     /// Does the path go on from a hit at `at`? Else the solution serves.
     [[nodiscard]] bool follows(const TraceHit& hit, const SurfaceTexel& at) const {
@@ -77,6 +77,7 @@ class NearLight {
     bool aim_;
     std::uint64_t seed_ = 0;
     std::uint32_t ray_count_ = 0;
+    std::uint32_t batch_number_ = 0;  ///< of add(), since start()
     bool has_tables_ = false;
     std::vector<float> emitters_up_to_;  ///< EmitterSet::weigh_around; empty without emitters
     std::optional<LampTable> lamps_;

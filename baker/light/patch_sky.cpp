@@ -42,7 +42,8 @@ void add_bright_sky(const Scene& scene, const Atlas& atlas, const PatchSet& patc
     parallel_for(patches.count(), 16, [&](std::size_t p) {
         const PatchSampler sampler(scene, atlas, patches, static_cast<PatchNumber>(p));
         const PatchId id = patches.patches[p].id;
-        const SobolSequence places(mix(id, place_purpose)), aims(mix(id, aim_purpose));
+        const SobolSequence places(mix(id, place_purpose));
+        const ShuffledSobol aims(mix(id, aim_purpose));
         Rgb sum(0, 0, 0);
         for (std::uint32_t k = 0; k < points; ++k) {
             const auto u = places.point(k);

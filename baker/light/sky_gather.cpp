@@ -31,7 +31,8 @@ Rgb open_ray_light(const Sky* sky, const Vec3f& direction, float cosine, float c
 
 void add_aimed_sky(const GatherInput& input, const SurfaceSampler& sampler, const GuideWarp& warp, const Frame& frame,
                    std::uint32_t cosine_rays, std::uint32_t aimed_rays, std::uint64_t seed, LightSum& sum) {
-    const SobolSequence places(mix(seed, place_purpose)), aims(mix(seed, aim_purpose));
+    const SobolSequence places(mix(seed, place_purpose));
+    const ShuffledSobol aims(mix(seed, aim_purpose));
     for (std::uint32_t k = 0; k < aimed_rays; ++k) {
         const auto u = places.point(k), w = aims.point(k);
         const SurfacePoint at = sampler.point(u[0], u[1]);
@@ -48,7 +49,7 @@ void add_aimed_sky(const GatherInput& input, const SurfaceSampler& sampler, cons
 
 void add_aimed_sky(const GatherInput& input, std::span<const NearVertex> vertices, std::uint64_t seed, LightSum& sum) {
     if (!aimed_sky_rays(input.sky, 1)) return;
-    const SobolSequence aims(mix(seed, aim_purpose));
+    const ShuffledSobol aims(mix(seed, aim_purpose));
     for (const NearVertex& at : vertices) {
         const auto w = aims.point(at.ray);
         const Sky::Sample aim = input.sky->sample(w[0], w[1]);

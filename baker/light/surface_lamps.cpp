@@ -25,7 +25,8 @@ RankedLamps SurfaceLamps::ranked(const Piece& piece) const {
 
 std::vector<SurfaceLamps::Sample> SurfaceLamps::samples(const Piece& piece, std::uint64_t purpose, std::uint32_t count) const {
     const std::uint64_t seed = mix(piece.seed, purpose);
-    const SobolSequence places(seed), on_lamps(mix(seed, points_on_lamps));
+    const SobolSequence places(seed);
+    const ShuffledSobol on_lamps(mix(seed, points_on_lamps));
     std::vector<Sample> samples(count);
     for (std::uint32_t k = 0; k < count; ++k) {
         const auto u = places.point(k), w = on_lamps.point(k);

@@ -58,5 +58,48 @@ TEST(Sobol, IntegratesAProductFourTimesBetterThanRandomPointsWould) {
     EXPECT_LT(std::sqrt(squared_error / seeds), 0.73 / 16 / 4);
 }
 
+/// How unevenly 4096 pairs of one dimension of `a` and one of `b` fill 16 x 16 boxes: chi squared, mean over all dimensions and seeds. Of
+/// independent pairs, both sides stratified, it is 225.
+template <typename First, typename Second>
+double unevenness() {
+    double sum = 0;
+    constexpr std::uint64_t seeds = 16;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) {
+        const First a(mix(seed, 1));
+        const Second b(mix(seed, 2));
+        std::array<std::array<int, 256>, 16> boxes{};
+        for (std::uint32_t i = 0; i < 4096; ++i) {
+            const auto u = a.point(i), w = b.point(i);
+            for (std::size_t d = 0; d < 16; ++d)
+                ++boxes[d][static_cast<std::size_t>(u[d / 4] * 16) * 16 + static_cast<std::size_t>(w[d % 4] * 16)];
+        }
+        for (const auto& pair : boxes)
+            for (const int count : pair) sum += (count - 16) * (count - 16) / 16.0;
+    }
+    return sum / (16 * seeds);
+}
+
+TEST(ShuffledSobol, FillsTheSquareTogetherWithAnother) {
+    EXPECT_GT((unevenness<SobolSequence, SobolSequence>()), 900) << "in one order there would be no need for it";
+    EXPECT_LT((unevenness<SobolSequence, ShuffledSobol>()), 260);
+    EXPECT_LT((unevenness<ShuffledSobol, ShuffledSobol>()), 260);
+}
+
+TEST(ShuffledSobol, AlignedRunsAreNets) {
+    const ShuffledSobol sequence(5);
+    constexpr unsigned k = 6, count = 1u << k;
+    for (std::uint32_t begin = 0; begin < 16 * count; begin += count)
+        for (unsigned split = 0; split <= k; ++split) {
+            std::array<int, count> boxes{};
+            for (std::uint32_t i = begin; i < begin + count; ++i) {
+                const auto u = sequence.point(i);
+                const auto x = static_cast<unsigned>(u[0] * static_cast<float>(1u << split));
+                const auto y = static_cast<unsigned>(u[1] * static_cast<float>(1u << (k - split)));
+                ++boxes[(x << (k - split)) | y];
+            }
+            for (const int found : boxes) ASSERT_EQ(found, 1) << "begin " << begin << " split " << split;
+        }
+}
+
 }  // namespace
 }  // namespace luxel

@@ -66,9 +66,10 @@ Errors errors(const test::MadeMesh& plate, const std::function<double(const Vec3
     const RadiosityDetail detail(std::vector<Rgb>(made->patches.count(), Rgb(0, 0, 0)));
     const LightGuides guides;
     const GatherInput input{made->scene, made->atlas, made->texels, made->patches, *made->tracer, emitters, detail, guides};
-    const auto gathered = gather_page(input, 0, {.rays = 1024}, nullptr);
-    const std::vector<Rgb> found = gathered->irradiance();
-    const auto& halves = gathered->emitted.halves;
+    // Several: a texel close to the light has ten times the noise of all, and may be lucky or not.
+    constexpr std::uint64_t seeds = 4;
+    std::vector<GatheredPage> gathered;
+    for (std::uint64_t seed = 0; seed < seeds; ++seed) gathered.push_back(*gather_page(input, 0, {.rays = 1024, .seed = seed}, nullptr));
     const PageTexels& page = made->texels.pages[0];
     Errors sum;
     double largest = 0;
@@ -81,10 +82,13 @@ Errors errors(const test::MadeMesh& plate, const std::function<double(const Vec3
             const SurfacePoint at = sampler.point((static_cast<float>(i % 4) + 0.5f) / 4, (static_cast<float>(i / 4) + 0.5f) / 4);
             truth += pi_d * nits * factor(to_double(at.position) + made->scene.origin) / 16;
         }
-        const double off = static_cast<double>(found[k].x) - truth;
         largest = std::max(largest, truth);
-        const double apart = static_cast<double>(halves[0][k].x - halves[1][k].x) / 2;
-        sum.noise += apart * apart, sum.mean += off, sum.rms += off * off, sum.worst = std::max(sum.worst, std::fabs(off)), ++sum.texels;
+        for (const GatheredPage& found : gathered) {
+            const auto& halves = found.emitted.halves;
+            const double off = static_cast<double>(found.gathered(k).x) - truth;
+            const double apart = static_cast<double>(halves[0][k].x - halves[1][k].x) / 2;
+            sum.noise += apart * apart, sum.mean += off, sum.rms += off * off, sum.worst = std::max(sum.worst, std::fabs(off)), ++sum.texels;
+        }
     }
     const auto count = static_cast<double>(sum.texels);
     return {sum.mean / count / largest, std::sqrt(sum.rms / count) / largest, sum.worst / largest,
@@ -92,12 +96,12 @@ Errors errors(const test::MadeMesh& plate, const std::function<double(const Vec3
 }
 
 void expect_small(const Errors& found, const char* name) {
-    EXPECT_EQ(found.texels, 256u) << name;
+    EXPECT_EQ(found.texels, 4 * 256u) << name;
     ::testing::Test::RecordProperty(name, std::to_string(found.mean) + " mean, " + std::to_string(found.rms) + " rms of " + std::to_string(found.noise) + ", " + std::to_string(found.worst) + " worst");
     EXPECT_LT(found.noise, 0.01) << name;
     EXPECT_LT(found.rms, 1.3 * found.noise) << name << ": texels are right but for their noise";
     EXPECT_LT(std::fabs(found.mean), 3 * found.noise / std::sqrt(static_cast<double>(found.texels))) << name;
-    EXPECT_LT(found.worst, 10 * found.noise) << name << ": noise is larger close to the light";
+    EXPECT_LT(found.worst, 16 * found.noise) << name << ": noise is larger close to the light";
 }
 
 TEST(AreaLights, DiskOverAFloor) {

@@ -44,7 +44,8 @@ std::vector<Rgb> light_of(const test::Prepared& made, const SkySplit& split, std
 /// Mean irradiance of a patch by rays aimed at the whole sky.
 double truth_of(const test::Prepared& made, const Sky& sky, PatchNumber patch) {
     const PatchSampler sampler(made.scene, made.atlas, made.patches, patch);
-    const SobolSequence places(patch), aims(patch + 1000000ull);
+    const SobolSequence places(patch);
+    const ShuffledSobol aims(patch + 1000000ull);
     constexpr std::uint32_t rays = 16384;
     double sum = 0;
     for (std::uint32_t k = 0; k < rays; ++k) {
