@@ -36,11 +36,11 @@ class Rules(unittest.TestCase):
         other = dict(LADDER, medium=(4, 0.07))
         found = figures(LADDER, more=[sweep("hall", 0.0, other)]).step(rules.preset("draft"), rules.preset("medium"))
         self.assertAlmostEqual(0.1 / 0.07, found.least)
-        self.assertEqual("hall", found.scene)
+        self.assertEqual(("hall", 1), (found.scene, found.missed))
 
     def test_floor_is_no_step(self):
         found = figures(LADDER, noise=0.02).step(rules.preset("medium"), rules.preset("high"))
-        self.assertEqual((float("inf"), ""), (found.least, found.scene))
+        self.assertEqual((float("inf"), "", 0), (found.least, found.scene, found.missed))
 
     def test_errors_are_not_below_the_floor(self):
         self.assertEqual(0.02, figures(LADDER, noise=0.02).error(rules.preset("high"), "room"))
@@ -91,12 +91,20 @@ class Reference(unittest.TestCase):
 
 class Tables(unittest.TestCase):
     def test_report(self):
-        text, kept = presets.report([sweep("room", 0.001, LADDER)])
+        text, kept = presets.report([sweep("room", 0.001, LADDER)], AIMS)
         self.assertTrue(kept)
         self.assertIn("| room | 1,000 | 0.1 % | 1 of 2 | 10 %, 20 % | 4 of 5 | 4 %, 8 % | 2.5 |", text)
-        text, kept = presets.report([sweep("room", 0.001, dict(LADDER, high=(16, 0.03)))])
+        text, kept = presets.report([sweep("room", 0.001, dict(LADDER, high=(16, 0.03)))], AIMS)
         self.assertFalse(kept)
-        self.assertIn("1.33 (room)", text)
+        self.assertIn("1.33 (room; 1 below 2)", text)
+        self.assertIn("The presets are others: high", text)
+        text, _ = presets.report([sweep("room", 0.001, dict(LADDER, **{"high rays=256": (16, 0.015)}))], AIMS)
+        self.assertIn("The presets are these", text)
+
+    def test_nothing_to_compare(self):
+        for points in ({name: (1, 0.0) for name in LADDER}, {"draft": (1, 0.1)}):
+            with self.assertRaises(SystemExit):
+                presets.report([sweep("room", 0.001, points)], AIMS)
 
     def test_names(self):
         self.assertEqual("high, rays 256, gather-rays 512, share off", tables.name_of(setting("high share=off gather-rays=512 rays=256")))

@@ -38,6 +38,7 @@ class Excess:
 class Step:
     least: float = math.inf  # over scenes that are not at the floor
     scene: str = ""
+    missed: int = 0          # scenes with less than FACTOR
 
 
 class Figures:
@@ -64,8 +65,15 @@ class Figures:
         return geometric_mean(self.error(setting, scene) for scene in self.scenes)
 
     def step(self, before, setting):
-        steps = [Step(self.error(before, scene) / self.error(setting, scene), scene) for scene in self.scenes if not self.at_floor(setting, scene)]
-        return min(steps, key=lambda step: step.least, default=Step())
+        steps = {scene: self.error(before, scene) / self.error(setting, scene) for scene in self.scenes if not self.at_floor(setting, scene)}
+        if not steps:
+            return Step()
+        scene = min(steps, key=steps.get)
+        return Step(steps[scene], scene, sum(ratio < FACTOR for ratio in steps.values()))
+
+    def is_same(self, setting, other):
+        """Whether they give the same light: the same options under another name."""
+        return all(self.measured[scene][setting].error == self.measured[scene][other].error for scene in self.scenes)
 
     def is_better(self, setting, than):
         ratios = [self.error(setting, scene) / self.error(than, scene) for scene in self.scenes]
@@ -85,7 +93,7 @@ class Rung:
     name: str
     setting: tuple
     step: Step
-    keeps: bool  # False: none keeps the rules; this one comes nearest
+    keeps: bool  # False: no setting keeps the rules; of those that reach the aim, or of all, this one misses its step on the fewest scenes
 
 
 def derive(figures, aims):
@@ -95,7 +103,7 @@ def derive(figures, aims):
     for name in RUNGS:
         before = rungs[-1].setting if rungs else None
         steps = {s: figures.step(before, s) if before else Step() for s in sound}
-        fit = [s for s in sound if steps[s].least >= FACTOR and figures.typical_error(s) <= aims[name]]
-        chosen = fit[0] if fit else max(sound, key=lambda s: steps[s].least) if before else min(sound, key=figures.typical_error)
-        rungs.append(Rung(name, chosen, steps[chosen], bool(fit)))
+        good = [s for s in sound if figures.typical_error(s) <= aims[name]]
+        chosen = min(good or sound, key=lambda s: steps[s].missed)  # the quickest of them
+        rungs.append(Rung(name, chosen, steps[chosen], bool(good) and steps[chosen].missed == 0))
     return rungs

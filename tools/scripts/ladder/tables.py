@@ -43,13 +43,13 @@ def by_scene(figures, sweeps):
 
 
 def step_text(step):
-    return "-" if not step.scene else f"{step.least:.2f} ({step.scene})"
+    return "-" if not step.scene else f"{step.least:.2f} ({step.scene}" + (f"; {step.missed} below {rules.FACTOR:g})" if step.missed else ")")
 
 
 def keeps(figures, ladder, k, aims):
     """Whether rung `k` keeps all rules."""
     name, setting = ladder[k]
-    steps = k == 0 or figures.step(ladder[k - 1][1], setting).least >= rules.FACTOR
+    steps = k == 0 or figures.step(ladder[k - 1][1], setting).missed == 0
     return steps and figures.excess(setting).share <= rules.EXCESS and figures.typical_error(setting) <= aims[name]
 
 
@@ -62,6 +62,11 @@ def rungs(figures, ladder, aims):
         rows.append([name, name_of(setting), f"{figures.seconds(setting):.3g}", percent(figures.typical_error(setting)), percent(aims[name]), step_text(step),
                      f"{excess.share * 100:.0f} % ({name_of(excess.by)})" if excess.by else "none", "yes" if keeps(figures, ladder, k, aims) else "no"])
     return table(["rung", "setting", "seconds", "error", "aim", "least step", "excess", "kept"], rows)
+
+
+def verdict(figures, ladder):
+    others = [name for name, setting in ladder if not figures.is_same(setting, rules.preset(name))]
+    return f"The presets are others: {', '.join(others)}.\n" if others else "The presets are these.\n"
 
 
 def grid(figures):
