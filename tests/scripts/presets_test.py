@@ -20,7 +20,7 @@ def setting(text):
 
 def sweep(name, noise, points):
     """`points`: text -> (seconds, error)"""
-    measured = {setting(text): sweeps.Measure(seconds, seconds + 1, error, 2 * error) for text, (seconds, error) in points.items()}
+    measured = {setting(text): sweeps.Measure(seconds, seconds + 1, error, 2 * error, error) for text, (seconds, error) in points.items()}
     return sweeps.Sweep(name, 1000, noise, measured)
 
 
@@ -56,6 +56,11 @@ class Rules(unittest.TestCase):
         found = figures(dict(LADDER, **{"high rays=256": (10, 0.015), "high rays=64": (8, 0.03)})).excess(rules.preset("high"))
         self.assertEqual(setting("high rays=256"), found.by)
         self.assertAlmostEqual(0.6, found.share)
+
+    def test_reference_gains_nothing_by_three_bakes(self):
+        found = sweep("room", 0.0, dict(LADDER, **{"reference rays=64": (50, 0.005)}))
+        found.points[rules.preset("reference")] = sweeps.Measure(100, 101, 0.004, 0.01, 0.005)
+        self.assertAlmostEqual(1.0, rules.Figures([found]).excess(rules.preset("reference")).share)
 
     def test_better_is_not_much_worse_anywhere(self):
         points = dict(LADDER, **{"high rays=256": (10, 0.01)})

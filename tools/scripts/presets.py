@@ -65,7 +65,10 @@ def report(found, aims):
     own = [(rung, rules.preset(rung)) for rung in rules.RUNGS]
     derived = rules.derive(figures, aims)
     ladder = [(rung.name, rung.setting) for rung in derived]
-    text = "### Presets by scene\n\n" + tables.by_scene(figures, found) + "\n### The presets\n\n" + tables.rungs(figures, own, aims)
+    absent = [scene.name for scene in scenes.SCENES if scene.name not in figures.measured]
+    text = "### Presets by scene\n\n" + tables.by_scene(figures, found)
+    text += f"\nNot measured: {', '.join(absent)}.\n" if absent else ""
+    text += "\n### The presets\n\n" + tables.rungs(figures, own, aims)
     text += "\n### The ladder that the rules give\n\n" + tables.rungs(figures, ladder, aims)
     text += "\n" + tables.verdict(figures, ladder)
     text += "\n### All settings\n\n" + tables.grid(figures)

@@ -19,6 +19,7 @@ class Measure:
     whole: float    # with them
     error: float    # relative RMSE
     p95: float
+    seen: float     # relative RMSE of one bake, as all settings have it: `error`, but for the reference (of_three)
 
 
 @dataclasses.dataclass
@@ -61,9 +62,9 @@ def load(scene, folder):
             continue
         own = sum(s["processor_seconds"] for s in point["stages"] if s["name"] not in COMMON_STAGES)
         error = point["error"]
-        points[settings_of(point)] = Measure(own, point["processor_seconds"], error["relative_rmse"], error["p95"])
+        points[settings_of(point)] = Measure(own, point["processor_seconds"], error["relative_rmse"], error["p95"], error["relative_rmse"])
         texels, noise = error["texels"], error["reference_noise"]
     own = points.get(REFERENCE)
     if own:
-        points[REFERENCE] = dataclasses.replace(own, error=of_three(noise, own.error))
+        points[REFERENCE] = dataclasses.replace(own, error=of_three(noise, own.seen))
     return Sweep(scene.name, texels, noise, points)
