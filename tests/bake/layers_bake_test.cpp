@@ -2,7 +2,9 @@
 // lightmap.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "baker/bake/geometry_stages.h"
 #include "baker/bake/stage_clock.h"
@@ -87,7 +89,15 @@ TEST(Layers, OfLightThatIsNotKnownInPartsAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(folder / "out.glb"));
 }
 
-/// What the error layer says is how far the light of bakes with other random numbers scatters.
+double median_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// What the error layer says is how far the light of bakes with other random numbers scatters, of a texel in the middle. Of all together, by
+/// squares, it is less: in a corner one bake in a hundred finds light that the others have not met, and no bake knows what it has missed
+/// (320 seeds: 0.53).
 TEST(Layers, ErrorIsHowFarSeedsScatter) {
     constexpr std::size_t seeds = 8;
     std::vector<std::vector<ReadExrPart>> bakes;
@@ -102,7 +112,7 @@ TEST(Layers, ErrorIsHowFarSeedsScatter) {
         const FinishedBake bake = bake_in(folder.path(), options);
         bakes.push_back(read_exr_parts(bytes_of(bake.outputs, "scene.aov0.exr")));
     }
-    double scatter = 0, said = 0, count = 0;
+    std::vector<double> scatters, errors;
     for (std::size_t at = 0; at < bakes[0][4].numbers.size(); ++at) {
         if (bakes[0][4].numbers[at] != 1) continue;
         double sum = 0, squares = 0, error = 0;
@@ -117,14 +127,18 @@ TEST(Layers, ErrorIsHowFarSeedsScatter) {
         }
         const double mean = sum / seeds;
         if (!(mean > 0)) continue;
-        scatter += (squares / seeds / (mean * mean) - 1) * seeds / (seeds - 1);
-        said += error * error, ++count;
+        scatters.push_back((squares / seeds / (mean * mean) - 1) * seeds / (seeds - 1));
+        errors.push_back(error * error);
     }
-    ASSERT_GT(count, 200);
-    const double ratio = std::sqrt(said / scatter);
-    RecordProperty("said_over_scatter", std::to_string(ratio));
-    EXPECT_GT(ratio, 0.6) << "said " << std::sqrt(said / count) << ", found " << std::sqrt(scatter / count);
-    EXPECT_LT(ratio, 1.7) << "said " << std::sqrt(said / count) << ", found " << std::sqrt(scatter / count);
+    ASSERT_GT(errors.size(), 200u);
+    const auto sum_of = [](const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); };
+    const double typical = std::sqrt(median_of(errors) / median_of(scatters)), all = std::sqrt(sum_of(errors) / sum_of(scatters));
+    RecordProperty("said_over_scatter", std::to_string(typical));
+    RecordProperty("said_over_scatter_of_all", std::to_string(all));
+    EXPECT_GT(typical, 0.67);
+    EXPECT_LT(typical, 1.5);
+    EXPECT_GT(all, 0.35);
+    EXPECT_LT(all, 1.7);
 }
 
 /// With a wanted error, texels get rays until they meet it or have the most that is allowed; the light stays the same.
