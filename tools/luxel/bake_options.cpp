@@ -21,7 +21,7 @@ struct Preset {
     std::uint32_t gather_rays, lamp_points;
     double tolerance;
 };
-constexpr std::array<Preset, 4> presets{{{qualities[0], 128, 0, 4, 1e-2}, {qualities[1], 256, 128, 4, 1e-3}, {qualities[2], 1024, 512, 16, 1e-4}, {qualities[3], 8192, 8192, 64, 1e-5}}};
+constexpr std::array<Preset, 4> presets{{{qualities[0], 128, 0, 4, 1e-2}, {qualities[1], 256, 128, 16, 1e-3}, {qualities[2], 1024, 1024, 64, 1e-4}, {qualities[3], 8192, 8192, 256, 1e-5}}};
 
 constexpr std::uint32_t highest_rays = 1u << 20;  ///< per texel
 
@@ -100,10 +100,12 @@ void add_quality_options(CLI::App& command, BakeArguments& a) {
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
     command.add_option("--gather", a.gather, "light at every texel by rays of its own, as --quality and --gather-rays say; off: patches are interpolated")
         ->check(CLI::IsMember({"on", "off"}))->capture_default_str()->group("Quality");
-    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 512 / 8192)")
+    command.add_option("--gather-rays", a.gather_rays, "rays per texel, a power of two; 0 interpolates patches (0 / 128 / 1024 / 8192)")
         ->check(CLI::Range(0u, highest_rays))->group("Quality");
     command.add_option("--max-rays", a.max_rays, "most rays per texel, where --error asks for more than --gather-rays (16 times as many)")
         ->check(unsigned_number)->check(CLI::Range(0u, highest_rays))->group("Quality");
+    command.add_option("--lamp-points", a.lamp_points, "points of a texel at which punctual lamps are tested, a power of two; 8 times as many where a shadow may have its edge (4 / 16 / 64 / 256)")
+        ->check(unsigned_number)->check(CLI::Range(1u, 1024u))->group("Quality");
     command.add_option("--tolerance", a.tolerance, "bound of the relative error of the solve (1e-2 / 1e-3 / 1e-4 / 1e-5)")
         ->check(finite)->check(CLI::Range(1e-12, 1.0))->group("Quality");
     command.add_option("--solver", a.solver, "shooting by chunks, conjugate gradients, or as baselines gathering by strips, the series of bounces, shooting by patches; same light")
@@ -214,7 +216,7 @@ BakeOptions resolve_bake_options(const BakeArguments& a, const CLI::App& command
             o.rays = given("--rays") ? a.rays : preset.rays;
             o.gather_rays = a.gather == "off" ? 0 : given("--gather-rays") ? a.gather_rays : preset.gather_rays;
             o.share_texels = a.share;
-            o.lamp_points = preset.lamp_points;
+            o.lamp_points = given("--lamp-points") ? a.lamp_points : preset.lamp_points;
             o.tolerance = given("--tolerance") ? a.tolerance : preset.tolerance;
         }
     if (a.gather == "off" && given("--gather-rays") && a.gather_rays > 0)
@@ -222,6 +224,9 @@ BakeOptions resolve_bake_options(const BakeArguments& a, const CLI::App& command
     if (o.gather_rays && !std::has_single_bit(o.gather_rays))
         throw Error(ErrorCode::usage, "--gather-rays", "expected 0 or a power of two, found " + std::to_string(o.gather_rays),
                     "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.gather_rays)));
+    if (!std::has_single_bit(o.lamp_points))
+        throw Error(ErrorCode::usage, "--lamp-points", "expected a power of two, found " + std::to_string(o.lamp_points),
+                    "sample patterns are whole only at powers of two; use " + std::to_string(std::bit_ceil(o.lamp_points)));
     if (given("--max-rays") && !(a.error > 0))
         throw Error(ErrorCode::usage, "--max-rays", "it says how far --error may go, but there is none",
                     "add --error, or say the number of rays with --gather-rays");
@@ -316,6 +321,7 @@ std::vector<std::pair<std::string, std::string>> bake_settings(const BakeArgumen
             {"gather", o.gather_rays ? "on" : "off"},
             {"gather-rays", std::to_string(o.gather_rays)},
             {"max-rays", std::to_string(o.most_gather_rays)},
+            {"lamp-points", std::to_string(o.lamp_points)},
             {"share", std::to_string(o.share_texels)},
             {"solver", a.solver},
             {"tolerance", fmt::format("{}", o.tolerance)},

@@ -23,7 +23,7 @@ struct BakeArguments {
     ModelArguments model;
     double sky_turn = 0, sky_scale = 1, lamp_radius = 0, sun_angle = 0;
     double texels_per_metre = 0, tolerance = 0, error = 0, target_seconds = 0, stop_after_s = 0, preview_s = 0, checkpoint_s = 20;
-    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, share = 8, hemicube_resolution = 64;
+    std::uint32_t atlas_size = 1024, padding = 2, patch_texels = 4, chunk_patches = 2048, gather_rays = 0, max_rays = 0, lamp_points = 0, share = 8, hemicube_resolution = 64;
     std::uint64_t rays = 0, seed = 0;
     unsigned threads = 0;
     bool verify = false, force_all = false, quiet = false, skip_skinned = false, allow_outside = false;

@@ -11,8 +11,8 @@ struct Rung {
     std::uint32_t gather_rays;  ///< 0: as the preset has it
 };
 constexpr std::array ladder{Rung{"draft", 0}, Rung{"medium", 16}, Rung{"medium", 32}, Rung{"medium", 64}, Rung{"medium", 0},
-                            Rung{"medium", 256}, Rung{"high", 0}, Rung{"high", 1024}, Rung{"high", 2048}};
-constexpr std::array decided_by_time{"--quality", "--rays", "--gather", "--gather-rays", "--max-rays", "--tolerance", "--error"};
+                            Rung{"medium", 256}, Rung{"medium", 512}, Rung{"high", 0}, Rung{"high", 2048}};
+constexpr std::array decided_by_time{"--quality", "--rays", "--gather", "--gather-rays", "--lamp-points", "--max-rays", "--tolerance", "--error"};
 
 NamedOptions named(BakeArguments arguments, const CLI::App& command, const Rung& rung) {
     arguments.quality = rung.quality;

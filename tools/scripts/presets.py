@@ -4,7 +4,7 @@
 usage: tools/scripts/presets.py --work DIR [--luxel LUXEL] [--shared DIR] [--scenes NAME ...] [--grid FILE] [--measured] [--write] [--check]
 
 Each scene (tools/scripts/ladder/scenes.py) is swept over the settings of tools/scripts/ladder/grid.json by `luxel sweep`; what the presets must keep is in
-tools/scripts/ladder/rules.py. Lamp points have no option: settings of the grid take those of their quality.
+tools/scripts/ladder/rules.py.
 
 --work DIR    the sweeps are kept there: an interrupted run goes on
 --luxel       default: build/release/tools/luxel/luxel
