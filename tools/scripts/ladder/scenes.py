@@ -27,6 +27,7 @@ SCENES = [
     sample("furnace", 8), sample("sphere", 8), sample("two_squares_parallel", 32), sample("two_squares_perpendicular", 32),
     sample("corridor_4", 4),
     Scene("corridor_16", "samples/corridor_16/corridor_16.gltf", 2.5),
-    Scene("hotel-room", "{shared}/hotel-room/hotel-room.glb", 4), Scene("zdm2", "{shared}/zdm2/zdm2.glb", 1),
-    Scene("staircase", "{shared}/staircase/staircase.glb", 2), Scene("lq-e1m1", "{shared}/lq-e1m1/lq_e1m1.glb", 0.15),
+    Scene("hotel-room", "{shared}/hotel-room/hotel-room.glb", 4), Scene("zdm2", "{shared}/zdm2/zdm2.glb", 0.7),
+    Scene("staircase", "{shared}/staircase/staircase.glb", 1.5), Scene("lq-e1m1", "{shared}/lq-e1m1/lq_e1m1.glb", 0.1),
+    Scene("neon-sign", "{shared}/neon-sign/neon-sign.glb", 60),
 ]
