@@ -29,5 +29,5 @@ SCENES = [
     Scene("corridor_16", "samples/corridor_16/corridor_16.gltf", 2.5),
     Scene("hotel-room", "{shared}/hotel-room/hotel-room.glb", 4), Scene("zdm2", "{shared}/zdm2/zdm2.glb", 0.7),
     Scene("staircase", "{shared}/staircase/staircase.glb", 1.5), Scene("lq-e1m1", "{shared}/lq-e1m1/lq_e1m1.glb", 0.1),
-    Scene("neon-sign", "{shared}/neon-sign/neon-sign.glb", 60),
+    Scene("house", "{shared}/house/house.glb", 90, ("--sky-color", "3000,4000,6000")),
 ]
