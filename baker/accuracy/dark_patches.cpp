@@ -6,10 +6,10 @@
 
 namespace luxel {
 
-std::vector<std::uint8_t> find_dark_patches(BlockSource& source, const std::vector<bool>& is_lit) {
+std::vector<std::uint8_t> find_dark_patches(BlockSource& source, const std::vector<bool>& may_be_lit) {
     const ChunkLayout& layout = source.layout();
     const auto is_all_lit = [&](ChunkNumber chunk) {
-        return std::all_of(is_lit.begin() + layout.first_patch[chunk], is_lit.begin() + layout.first_patch[chunk + 1], [](bool lit) { return lit; });
+        return std::all_of(may_be_lit.begin() + layout.first_patch[chunk], may_be_lit.begin() + layout.first_patch[chunk + 1], [](bool lit) { return lit; });
     };
     std::vector<bool> all_lit(layout.chunk_count());
     for (ChunkNumber chunk = 0; chunk < layout.chunk_count(); ++chunk) all_lit[chunk] = is_all_lit(chunk);
@@ -27,7 +27,7 @@ std::vector<std::uint8_t> find_dark_patches(BlockSource& source, const std::vect
     }
     std::vector<bool> has_light(layout.patch_count());
     for (PatchNumber p = 0; p < layout.patch_count(); ++p)
-        if (is_lit[p]) has_light[joined.find(p)] = true;
+        if (may_be_lit[p]) has_light[joined.find(p)] = true;
     std::vector<std::uint8_t> dark(layout.patch_count());
     for (PatchNumber p = 0; p < layout.patch_count(); ++p) dark[p] = !has_light[joined.find(p)];
     if (std::ranges::none_of(dark, [](std::uint8_t is_dark) { return is_dark != 0; })) dark.clear();

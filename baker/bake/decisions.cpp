@@ -43,11 +43,7 @@ class Decisions {
         return static_cast<std::size_t>(std::ranges::count_if(g_.patches.patches, is));
     }
     void add(std::string part, bool runs, std::string why) { out_.push_back({std::move(part), runs, std::move(why)}); }
-    /// What can be forced.
-    void add(Part part, bool runs, std::string why) {
-        const bool is_forced = !runs && options_.forced.has(part);
-        out_.push_back({part_name(part), runs || is_forced, (is_forced ? "forced, though " : "") + why});
-    }
+    void add(Part part, bool is_needed, const std::string& why) { out_.push_back(decide_part(options_, part, is_needed, why)); }
 
     void decide_surfaces() {
         if (const std::size_t copies = repeated_objects(scene_))
@@ -62,7 +58,7 @@ class Decisions {
 
     void decide_light() {
         add(Part::lamps, !scene_.lamps.empty(), !scene_.lamps.empty() ? count_of(scene_.lamps.size(), "punctual light") : scene_.dark_lamps.empty() ? "the scene has no punctual lights: no shadow rays" : "no punctual light has power: no shadow rays");
-        add("sky", !scene_.sky.empty(), scene_.sky.empty() ? "there is no sky" : "a sky of " + std::to_string(scene_.sky.width) + " x " + std::to_string(scene_.sky.height) + " pixels");
+        add(part_name(Part::sky), !scene_.sky.empty(), scene_.sky.empty() ? "there is no sky" : "a sky of " + std::to_string(scene_.sky.width) + " x " + std::to_string(scene_.sky.height) + " pixels");
         add("bright-surfaces", emits_ > 0, emits_ ? count_of(emits_, "patch", "es") + (emits_ == 1 ? " shines" : " shine") : "no surface shines");
         const bool grey = is_all_grey(g_);
         add(Part::colours, !grey, grey ? "light and surfaces are grey: what is judged of one channel holds for all" : "channels differ");
@@ -78,6 +74,11 @@ class Decisions {
 };
 
 }  // namespace
+
+Decision decide_part(const BakeOptions& options, Part part, bool is_needed, const std::string& why) {
+    const bool is_forced = !is_needed && options.forced.has(part);
+    return {part_name(part), is_needed || is_forced, (is_forced ? "forced, though " : "") + why};
+}
 
 std::vector<Decision> decide(const BakeOptions& options, const BakedGeometry& geometry) { return Decisions(options, geometry).all(); }
 

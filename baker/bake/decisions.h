@@ -14,6 +14,9 @@ struct Decision {
     std::string why;
 };
 
+/// Of a part that can be forced: it runs if the scene needs it, or if `options` force it.
+Decision decide_part(const BakeOptions& options, Part part, bool is_needed, const std::string& why);
+
 /// In the order of the bake: all that the geometry and the materials tell. The conditions are those of the stages themselves. What only rays tell (whether
 /// anything sees the sky, which patches lie in the dark, whether the blocks fit into memory) the stages add to the report.
 /// Threads: a pure function. Errors: none.

@@ -53,13 +53,15 @@ std::vector<std::uint8_t> dark_patches(const BakeOptions& options, const BakedGe
                                        const BakedSolution& solution, StageClock& clock, BakeReport& report) {
     std::vector<std::uint8_t> dark;
     if (!parts_light(options) || !solution.is_whole || options.forced.has(Part::dark_patches)) return dark;
-    std::vector<bool> is_lit(g.patches.count());
-    for (PatchNumber p = 0; p < is_lit.size(); ++p)
-        is_lit[p] = solution.result.radiosity[p] != Channels{} || solution.result.irradiance[p] != Channels{} || sources.lamp_irradiance[p] != Rgb(0, 0, 0);
-    if (std::ranges::all_of(is_lit, [](bool lit) { return lit; })) return dark;
+    const RayTallies& tallies = matrix.strips->tallies();
+    std::vector<bool> may_be_lit(g.patches.count());
+    for (PatchNumber p = 0; p < may_be_lit.size(); ++p)
+        may_be_lit[p] = solution.result.radiosity[p] != Channels{} || solution.result.irradiance[p] != Channels{} || sources.lamp_irradiance[p] != Rgb(0, 0, 0) ||
+                        tallies.open[p] > 0;
+    if (std::ranges::all_of(may_be_lit, [](bool lit) { return lit; })) return dark;
     clock.stage("dark patches", [&] {
         ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);
-        dark = find_dark_patches(strips, is_lit);
+        dark = find_dark_patches(strips, may_be_lit);
         return false;
     });
     const auto count = std::ranges::count(dark, std::uint8_t{1});

@@ -20,16 +20,13 @@ void foresee_sky(const BakedGeometry& g, Decision& sky) {
 
 void foresee_decisions(const BakeOptions& options, const BakedGeometry& g, std::span<const SceneFinding> findings, std::uint64_t pairs, std::uint64_t cache_bytes,
                        std::vector<Decision>& decisions) {
-    const auto decide = [&](Part part, bool runs, std::string why) {
-        const bool is_forced = !runs && options.forced.has(part);
-        decisions.push_back({part_name(part), runs || is_forced, (is_forced ? "forced, though " : "") + why});
-    };
     for (Decision& decision : decisions)
         if (decision.part == part_name(Part::sky) && decision.runs && !options.forced.has(Part::sky)) foresee_sky(g, decision);
     const auto unlit = std::ranges::find(findings, "unlit-surfaces", &SceneFinding::code);
-    if (unlit != findings.end() && options.gather_rays) decide(Part::dark_patches, false, unlit->text.substr(0, unlit->text.find(':')));
+    if (unlit != findings.end() && options.gather_rays) decisions.push_back(decide_part(options, Part::dark_patches, false, unlit->text.substr(0, unlit->text.find(':'))));
     const std::uint64_t bytes = pairs * bytes_per_pair;
-    decide(Part::disk, bytes > cache_bytes, "decoded blocks take about " + std::to_string(bytes >> 20) + " MB, the solve may keep " + std::to_string(cache_bytes >> 20) + " MB of them");
+    decisions.push_back(decide_part(options, Part::disk, bytes > cache_bytes,
+                                    "decoded blocks take about " + std::to_string(bytes >> 20) + " MB, the solve may keep " + std::to_string(cache_bytes >> 20) + " MB of them"));
 }
 
 }  // namespace luxel

@@ -194,6 +194,26 @@ TEST(NeedsBake, NothingIsGatheredInADarkRoom) {
     EXPECT_EQ(bakes.plain.report.least_rays, 64u) << "and rays of patches go elsewhere";
 }
 
+/// In the open no ray of most patches meets the lamp, and few of its own meet them: texels aim at it.
+TEST(NeedsBake, ASmallLampFarAwayLightsWhatNoRayJoinsToIt) {
+    const TemporaryFolder folder;
+    const auto scene = edited_sample("two_squares_parallel", folder / "scene", [](nlohmann::json& document) {
+        for (auto& node : document["nodes"])
+            if (document["materials"][document["meshes"][node["mesh"].get<std::size_t>()]["primitives"][0]["material"].get<std::size_t>()].contains("emissiveFactor"))
+                node["scale"] = {0.002, 1, 0.002};
+    });
+    BakeOptions options = options_for(scene, folder);
+    options.unwrap.texels_per_metre = 48;
+    options.rays = 64;
+    const FinishedBake plain = bake_in(folder / "plain", options);
+    const std::vector<float> light = stored_irradiance(folder / "plain/work");
+    options.forced.add(Part::dark_patches);
+    bake_in(folder / "forced", options);
+    EXPECT_EQ(difference(light, stored_irradiance(folder / "forced/work")), 0);
+    EXPECT_FALSE(is_skipped(plain.report, Part::dark_patches));
+    EXPECT_GT(std::ranges::count_if(light, [](float lux) { return lux > 0; }), 3000);
+}
+
 TEST(NeedsBake, BlocksThatFitAreReadOnce) {
     const TemporaryFolder folder;
     BakeOptions options = options_for(sample("corridor_4"), folder);
