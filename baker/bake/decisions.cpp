@@ -9,6 +9,8 @@ std::string count_of(std::size_t count, const std::string& what, const char* end
     return std::to_string(count) + " " + what + (count == 1 ? "" : ending);
 }
 
+bool shines(const Patch& patch) { return patch.emission != Rgb(0, 0, 0); }
+
 bool is_grey(const Rgb& colour) { return colour.x == colour.y && colour.y == colour.z; }
 
 bool is_all_grey(const BakedGeometry& g) {
@@ -22,12 +24,11 @@ bool is_all_grey(const BakedGeometry& g) {
 class Decisions {
   public:
     Decisions(const BakeOptions& options, const BakedGeometry& geometry)
-        : options_(options), g_(geometry), scene_(geometry.scene), emits_(count_patches([](const Patch& p) { return p.emission != Rgb(0, 0, 0); })),
+        : options_(options), g_(geometry), scene_(geometry.scene), emits_(count_patches(shines)),
           reflects_(std::ranges::any_of(g_.patches.patches, [](const Patch& p) { return p.reflectance != Rgb(0, 0, 0); })) {}
 
-    [[nodiscard]] bool has_light() const { return emits_ > 0 || !scene_.lamps.empty() || !scene_.sky.empty(); }
     /// Drafts have no other way to know what patches send straight to each other.
-    [[nodiscard]] bool needs_form_factors() const { return options_.forced.has(Part::solve) || (has_light() && (reflects_ || options_.gather_rays == 0)); }
+    [[nodiscard]] bool needs_form_factors() const { return options_.forced.has(Part::solve) || (has_light(g_) && (reflects_ || options_.gather_rays == 0)); }
 
     std::vector<Decision> all() {
         decide_surfaces();
@@ -62,7 +63,7 @@ class Decisions {
         add("bright-surfaces", emits_ > 0, emits_ ? count_of(emits_, "patch", "es") + (emits_ == 1 ? " shines" : " shine") : "no surface shines");
         const bool grey = is_all_grey(g_);
         add(Part::colours, !grey, grey ? "light and surfaces are grey: what is judged of one channel holds for all" : "channels differ");
-        add(Part::solve, reflects_ && has_light(), !has_light() ? "the scene has no light" : reflects_ ? "light is reflected on" : "no surface reflects light: it ends where it first arrives");
+        add(Part::solve, reflects_ && has_light(g_), !has_light(g_) ? "the scene has no light" : reflects_ ? "light is reflected on" : "no surface reflects light: it ends where it first arrives");
     }
 
     const BakeOptions& options_;
@@ -81,6 +82,10 @@ Decision decide_part(const BakeOptions& options, Part part, bool is_needed, cons
 }
 
 std::vector<Decision> decide(const BakeOptions& options, const BakedGeometry& geometry) { return Decisions(options, geometry).all(); }
+
+bool has_light(const BakedGeometry& geometry) {
+    return !geometry.scene.lamps.empty() || !geometry.scene.sky.empty() || std::ranges::any_of(geometry.patches.patches, shines);
+}
 
 bool needs_form_factors(const BakeOptions& options, const BakedGeometry& geometry) { return Decisions(options, geometry).needs_form_factors(); }
 

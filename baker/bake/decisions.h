@@ -22,6 +22,9 @@ Decision decide_part(const BakeOptions& options, Part part, bool is_needed, cons
 /// Threads: a pure function. Errors: none.
 std::vector<Decision> decide(const BakeOptions& options, const BakedGeometry& geometry);
 
+/// Does anything shine, inside the scene or around it?
+bool has_light(const BakedGeometry& geometry);
+
 /// Does any light depend on form factors? Where nothing is reflected texels gather what shines, and a thin round of rays is all that is traced.
 bool needs_form_factors(const BakeOptions& options, const BakedGeometry& geometry);
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "baker/accuracy/dark_patches.h"
+#include "baker/bake/decisions.h"
 #include "baker/bake/page_lighter.h"
 #include "baker/bake/stage_files.h"
 #include "baker/bake/stopping.h"
@@ -54,10 +55,11 @@ std::vector<std::uint8_t> dark_patches(const BakeOptions& options, const BakedGe
     std::vector<std::uint8_t> dark;
     if (!parts_light(options) || !solution.is_whole || options.forced.has(Part::dark_patches)) return dark;
     const RayTallies& tallies = matrix.strips->tallies();
+    const bool lit_from_afar = has_light(g);  // what is in the open may be, by what no ray has met
     std::vector<bool> may_be_lit(g.patches.count());
     for (PatchNumber p = 0; p < may_be_lit.size(); ++p)
         may_be_lit[p] = solution.result.radiosity[p] != Channels{} || solution.result.irradiance[p] != Channels{} || sources.lamp_irradiance[p] != Rgb(0, 0, 0) ||
-                        tallies.open[p] > 0;
+                        (lit_from_afar && tallies.open[p] > 0);
     if (std::ranges::all_of(may_be_lit, [](bool lit) { return lit; })) return dark;
     clock.stage("dark patches", [&] {
         ClosedMatrix strips(*matrix.strips, matrix.area_m2, matrix.closure);

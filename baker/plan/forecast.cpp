@@ -52,13 +52,14 @@ Forecast forecast(const NamedOptions& named, const BakedGeometry& g, double geom
     Forecast f;
     f.name = named.name;
     f.evidence_rays = sight.rays_per_patch * g.patches.count();
-    f.gather_rays = options.gather_rays * texels;
+    const bool gathers = has_light(g) || options.forced.has(Part::dark_patches);
+    f.gather_rays = gathers ? options.gather_rays * texels : 0;
     f.pairs = whole(pairs);
     f.matrix_bytes = whole(g.layout.chunk_count() * chunk_bytes + pairs * pair_bytes);
     f.peak_bytes = g.resident_bytes() + whole(std::min(working_bytes(options, g, static_cast<double>(texels), pairs), static_cast<double>(options.memory_bytes)));
     f.seconds.geometry = geometry_seconds;
     f.seconds.matrix = static_cast<double>(f.evidence_rays) * sight.seconds_per_ray + pairs * seconds_per_pair;
-    f.seconds.light = static_cast<double>(texels) * sample_light(options, g) * (1 + first_round_share);
+    f.seconds.light = static_cast<double>(texels) * (gathers ? sample_light(options, g) : 0) * (1 + first_round_share);
     f.seconds.write = static_cast<double>(texels) * seconds_per_texel + g.shown_pages * static_cast<double>(g.atlas.page_size) * g.atlas.page_size * seconds_per_page_texel;
     return f;
 }

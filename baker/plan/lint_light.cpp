@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "baker/light/lit_sides.h"
@@ -19,6 +21,12 @@ std::string percent(double share) {
     std::string text = std::to_string(rounded);
     text.resize(text.find('.') + 3);
     return text + " %";
+}
+
+std::string square_metres(double area_m2) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), area_m2 < 10 ? "%.2g m2" : "%.0f m2", area_m2);
+    return text.data();
 }
 
 const std::string& object_name(const BakedGeometry& g, PatchNumber patch) { return g.scene.objects[g.atlas.charts[g.patches.patches[patch].chart].object].name; }
@@ -52,7 +60,7 @@ void lint_open_rooms(const BakedGeometry& g, std::vector<SceneFinding>& all) {
             losers[object_name(g, p)] += area * open[p] / open_rays_of_patch;
         }
         if (count < least_patches || lost_m2 < least_loss * area_m2 || lost_m2 > most_loss * area_m2) continue;
-        rooms.emplace_back(-lost_m2 / area_m2, percent(lost_m2 / area_m2) + " of a room of " + std::to_string(std::lround(area_m2)) + " m2, from " + name_losers(losers));
+        rooms.emplace_back(-lost_m2 / area_m2, percent(lost_m2 / area_m2) + " of a room of " + square_metres(area_m2) + ", from " + name_losers(losers));
     }
     std::ranges::sort(rooms);
     finding.count = rooms.size();

@@ -194,6 +194,13 @@ TEST(NeedsBake, NothingIsGatheredInADarkRoom) {
     EXPECT_EQ(bakes.plain.report.least_rays, 64u) << "and rays of patches go elsewhere";
 }
 
+TEST(NeedsBake, NothingIsGatheredInTheOpenWhereNothingShines) {
+    const TemporaryFolder folder;
+    const Compared bakes = compare(folder, options_for(sample("open_court"), folder), Part::dark_patches, "light", 0);
+    EXPECT_EQ(bakes.plain.report.gathering->rays_per_texel, 0);
+    EXPECT_GT(bakes.forced.report.gathering->rays_per_texel, 0);
+}
+
 /// In the open no ray of most patches meets the lamp, and few of its own meet them: texels aim at it.
 TEST(NeedsBake, ASmallLampFarAwayLightsWhatNoRayJoinsToIt) {
     const TemporaryFolder folder;
