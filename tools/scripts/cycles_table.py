@@ -131,6 +131,10 @@ def errors(scene, judged_path, judged, cache):
     return out
 
 
+def two_digits(seconds):
+    return f"{seconds:.0f}" if seconds >= 10 else f"{seconds:.2g}"
+
+
 def seconds_to(runs, level):
     """Text: seconds until the error is at most `level`; runs: (seconds, error)."""
     front = []
@@ -138,11 +142,11 @@ def seconds_to(runs, level):
         if not front or error < front[-1][1]:
             front.append((seconds, error))
     if front[0][1] <= level:
-        return f"<= {front[0][0]:.2g}"
+        return f"<= {two_digits(front[0][0])}"
     for (s0, e0), (s1, e1) in zip(front, front[1:]):
         if e1 <= level:
-            return f"{s0 * (s1 / s0) ** (math.log(level / e0) / math.log(max(e1, 1e-9) / e0)):.2g}"
-    return f"> {front[-1][0]:.2g}"
+            return two_digits(s0 * (s1 / s0) ** (math.log(level / e0) / math.log(max(e1, 1e-9) / e0)))
+    return f"> {two_digits(front[-1][0])}"
 
 
 def print_runs(title, rows):

@@ -6,6 +6,10 @@ def percent(share):
     return f"{share * 100:.0f} %" if share >= 0.995 else f"{share * 100:.2g} %"
 
 
+def seconds(number):
+    return f"{number:.0f}" if number >= 10 else f"{number:.2g}"
+
+
 def name_of(setting):
     """(("gather-rays", "32"), ("quality", "draft"), ("rays", "64")) as "draft, rays 64, gather-rays 32"."""
     options = dict(setting)
@@ -31,7 +35,7 @@ def by_scene(figures, sweeps):
         row = [sweep.scene, f"{sweep.texels:,}", percent(sweep.noise)]
         for k, rung in enumerate(rules.RUNGS):
             m = sweep.points[rules.preset(rung)]
-            row.append(f"{m.seconds:.2g} of {m.whole:.2g}")
+            row.append(f"{seconds(m.seconds)} of {seconds(m.whole)}")
             row.append(f"{percent(m.error)}, {percent(m.p95)}")
             if k:
                 row.append("exact" if sweep.scene in figures.exact else ratio_text(figures, rules.preset(rules.RUNGS[k - 1]), rules.preset(rung), sweep.scene))
