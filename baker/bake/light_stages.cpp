@@ -13,7 +13,7 @@ namespace luxel {
 namespace {
 
 Key light_key(const BakeOptions& options, const Key& solution) {
-    return KeyBuilder("light 25")
+    return KeyBuilder("light 26")
         .key(solution)
         .integer(options.gather_rays)
         .number(options.gather_rays ? options.error : 0)

@@ -96,7 +96,7 @@ BakedSources light_patches(const BakeOptions& options, const BakedGeometry& g, c
 }
 
 Key solution_key(const BakeOptions& options, const BakedGeometry& g, const Key& matrix_key, double tolerance) {
-    KeyBuilder key("solution 5");
+    KeyBuilder key("solution 6");
     key.text(solver_names()[static_cast<std::size_t>(options.solver)])
         .key(matrix_key)
         .key(g.scene.light_key)

@@ -18,7 +18,7 @@ float power_of(const Patch& patch) {
 }  // namespace
 
 EmitterSet::EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches)
-    : patches_(patches), member_of_(patches.count(), none) {
+    : patches_(patches), lamps_(scene.lamps), member_of_(patches.count(), none) {
     for (PatchNumber p = 0; p < patches.count(); ++p)
         if (power_of(patches.patches[p]) > 0 && !scene.is_see_through(patches.fragments_of(p).front().triangle))
             members_.push_back({p, 0, 0});

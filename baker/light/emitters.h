@@ -1,4 +1,4 @@
-/// Surfaces that emit, as things to aim at: small bright areas that cosine rays seldom find. Patches are gathered into
+/// What emits, as things to aim at. Lamps: lamp_tree.h. Surfaces: small bright areas that cosine rays seldom find. Patches are gathered into
 /// clusters; a texel weighs the clusters by what they could send it, picks one, then a patch by power, then a point.
 /// Surfaces that let light through are left out, for their points do not all send: cosine rays find them.
 /// Source: next event estimation over clustered lights; combined with cosine rays by multiple importance sampling with the
@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "baker/light/lamp_tree.h"
 #include "baker/patches/patch.h"
 #include "baker/patches/patch_sampler.h"
 #include "baker/trace/tracer.h"
@@ -16,10 +17,11 @@ namespace luxel {
 
 class EmitterSet {
   public:
-    /// Keeps references to the patches, scene and atlas.
+    /// Keeps references to the patches, the scene and its lamps, and the atlas.
     EmitterSet(const Scene& scene, const Atlas& atlas, const PatchSet& patches);
 
     [[nodiscard]] bool empty() const { return clusters_.empty(); }
+    [[nodiscard]] const LampTree& lamps() const { return lamps_; }
     [[nodiscard]] std::size_t cluster_count() const { return clusters_.size(); }
 
     /// Probability of each cluster for a receiver at `position` with unit `normal`, cumulative: the last is 1, or empty if none can be seen.
@@ -58,6 +60,7 @@ class EmitterSet {
     void close_cluster(std::size_t first);
 
     const PatchSet& patches_;
+    LampTree lamps_;
     std::vector<Cluster> clusters_;
     std::vector<Member> members_;
     std::vector<PatchSampler> samplers_;        ///< per member

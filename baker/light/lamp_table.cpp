@@ -22,8 +22,9 @@ float best_cosine(const Lamp& lamp, const Vec3f& to_lamp, float distance, float 
     return cosine * cosine_of_half + std::sqrt(1 - cosine * cosine) * sine_of_half;
 }
 
-/// 0 only where no point of the ball can get light.
-float strength_of(const Lamp& lamp, const Vec3f& place, float around_m, const Vec3f* normal) {
+}  // namespace
+
+float lamp_strength(const Lamp& lamp, const Vec3f& place, float around_m, const Vec3f* normal) {
     const float all = lamp.intensity.x + lamp.intensity.y + lamp.intensity.z;
     if (lamp.kind == LampKind::directional)
         return normal ? all * std::clamp(lamp.sin_radius - lamp.direction.dot(*normal), 0.0f, 1.0f) : all;
@@ -37,13 +38,11 @@ float strength_of(const Lamp& lamp, const Vec3f& place, float around_m, const Ve
     return std::min(all * shape * cosine / (nearest * nearest), std::numeric_limits<float>::max());
 }
 
-}  // namespace
-
 std::vector<LampStrength> lamp_strengths(std::span<const Lamp> lamps, const Vec3f& place, float around_m, const Vec3f* normal) {
     std::vector<LampStrength> found;
     found.reserve(lamps.size());
     for (std::uint32_t k = 0; k < lamps.size(); ++k)
-        if (const float strength = strength_of(lamps[k], place, around_m, normal); strength > 0) found.push_back({k, strength});
+        if (const float strength = lamp_strength(lamps[k], place, around_m, normal); strength > 0) found.push_back({k, strength});
     return found;
 }
 

@@ -13,6 +13,10 @@ struct LampStrength {
     float strength = 0;      ///< > 0; about what it gives without shadows, lux
 };
 
+/// About what the lamp gives to points within `around_m` of `place`, lux, without shadows, all channels together; 0 only where none of them can get light from it.
+/// `normal`: as below.
+float lamp_strength(const Lamp& lamp, const Vec3f& place, float around_m, const Vec3f* normal);
+
 /// Every lamp that can light a point within `around_m` of `place`, in the scene's order. `normal`: unit, what the cosine is taken
 /// against at all of these points; null: it differs, and no lamp is behind all of them.
 std::vector<LampStrength> lamp_strengths(std::span<const Lamp> lamps, const Vec3f& place, float around_m, const Vec3f* normal);

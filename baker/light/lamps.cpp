@@ -65,6 +65,16 @@ Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& 
     return lamp.intensity * beam(lamp, to_lamp, d, cosine / d2);
 }
 
+float spread_in_spot(const Lamp& lamp, const Vec3f& position, const Vec3f& normal, float spot_m) {
+    if (lamp.kind == LampKind::directional) return 1;
+    const Vec3f to_lamp = lamp.position - position;
+    const float d = to_lamp.length(), height = to_lamp.dot(normal);
+    // A sphere that the plane cuts is not what a point would be, but bounded.
+    if (d >= spot_m || !(height > lamp.radius)) return 1;
+    const float r = d / spot_m, h = height / spot_m;
+    return 2 * r * r * (d / height) / (1 + h);
+}
+
 std::optional<TraceRay> LampLight::leave(const LightPoint& at, const Vec3f& direction) const {
     return leave_towards(scene_, tracer_, RayStart{at.position, at.geometric_normal, at.triangle, at.rise}, direction);
 }

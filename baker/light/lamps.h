@@ -30,6 +30,12 @@ struct LightPoint {
 /// Irradiance of one lamp without shadows, lux.
 Rgb unshadowed_irradiance(const Lamp& lamp, const Vec3f& position, const Vec3f& normal);
 
+/// What to multiply the irradiance of a lamp by to spread it evenly over the spot that it makes on a surface nearby: where that lies within `spot_m`
+/// of the lamp; 1 elsewhere. Seen from afar nothing changes but that no point of the spot is brighter than its mean.
+/// A plane at height h cuts the ball of radius R around the lamp in a disc of pi (R^2 - h^2), which gets I 2 pi (1 - h / R): E = 2 I / (R (R + h)).
+/// `normal`: unit, of the plane.
+float spread_in_spot(const Lamp& lamp, const Vec3f& position, const Vec3f& normal, float spot_m);
+
 /// Share of a plane's cosine-weighted hemisphere that a cone of directions covers: a sphere of relative radius `sine` < 1
 /// (radius over distance) whose centre is at `cosine` from the plane's normal.
 float cone_form_factor(float cosine, float sine);

@@ -17,6 +17,8 @@ namespace {
 /// The share of the light that makes another bounce worth its rays. What is left then is what the patches say: in a dark gap
 /// behind a lit wall that is too much, so it must be little.
 constexpr float least_share = 0.002f;
+/// Radius of the spot that a lamp makes on a surface close to it, over what is near: half a texel by default.
+constexpr float lamp_spot_share = 0.125f;
 constexpr std::uint64_t path_purpose = 0x6e656172, aim_purpose = 0x6e61696d, thin_purpose = 0x7468696e;
 
 TraceRay leave(const Scene& scene, const NearVertex& at, const Vec3f& direction) {
@@ -88,7 +90,6 @@ void NearLight::make_tables() {
     // Half of all paths stay within two steps; farther ones only choose less well.
     const float around_m = 2 * reach_m_;
     if (aim_ && !in_.emitters.empty()) in_.emitters.weigh_around(position_, around_m, emitters_up_to_);
-    lamps_.emplace(lamp_strengths(in_.scene.lamps, position_, lamps_reach_m(), nullptr));
 }
 
 void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
@@ -108,22 +109,16 @@ void NearLight::add(std::vector<NearVertex>& vertices, LightSum& sum) {
     ++batch_number_;
 }
 
-std::optional<LampTable::Choice> NearLight::choose_lamp(const NearVertex& at, float random) const {
-    const auto choose = [&](const LampTable& table) { return table.empty() ? std::nullopt : std::optional(table.choose(random)); };
-    // The texel's table knows nothing of lamps that light only what is far away.
-    if ((at.position - position_).length() < lamps_reach_m()) return choose(*lamps_);
-    return choose(LampTable(lamp_strengths(in_.scene.lamps, at.position, 0, &at.normal)));
-}
-
 void NearLight::add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
                           LightSum& sum) const {
     const LampLight light(in_.scene, in_.tracer);
+    const float spot_m = lamp_spot_share * reach_m_;
     for (std::size_t k = 0; k < vertices.size(); ++k) {
         const NearVertex& at = vertices[k];
-        const auto choice = choose_lamp(at, random[k][2]);
+        const auto choice = in_.emitters.lamps().choose({at.position, at.normal}, random[k][2], spot_m);
         if (!choice) continue;
-        sum.add(light.irradiance_of(choice->lamp, {at.position, at.normal, at.normal, at.triangle}, {choice->rest, random[k][3]}) / choice->probability,
-                at.throughput);
+        const float part = spread_in_spot(in_.scene.lamps[choice->lamp], at.position, at.normal, spot_m) / choice->probability;
+        sum.add(light.irradiance_of(choice->lamp, {at.position, at.normal, at.normal, at.triangle}, {choice->rest, random[k][3]}) * part, at.throughput);
     }
 }
 

@@ -8,13 +8,11 @@
 /// 4(3) 1999, section 4); multiple importance sampling as in gather.h.
 #pragma once
 #include <array>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "baker/core/sobol.h"
 #include "baker/light/gather.h"
-#include "baker/light/lamp_table.h"
 #include "baker/light/light_sum.h"
 #include "baker/trace/surface_map.h"
 
@@ -61,9 +59,6 @@ class NearLight {
   private:
     struct Rays;
     void make_tables();
-    /// How far from the texel its table of lamps holds.
-    [[nodiscard]] float lamps_reach_m() const { return static_cast<float>(most_bounces + 1) * reach_m_; }
-    [[nodiscard]] std::optional<LampTable::Choice> choose_lamp(const NearVertex& at, float random) const;
     void add_lamps(std::span<const NearVertex> vertices, std::span<const std::array<float, 4>> random,
                    LightSum& sum) const;
     void add_aimed(std::span<const NearVertex> vertices, std::uint32_t depth, LightSum& sum);
@@ -80,7 +75,6 @@ class NearLight {
     std::uint32_t batch_number_ = 0;  ///< of add(), since start()
     bool has_tables_ = false;
     std::vector<float> emitters_up_to_;  ///< EmitterSet::weigh_around; empty without emitters
-    std::optional<LampTable> lamps_;
 };
 
 }  // namespace luxel

@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "baker/light/lamp_cells.h"
 #include "baker/light/lamps.h"
 #include "baker/patches/patch_sampler.h"
 
@@ -51,9 +52,22 @@ class SurfaceLamps {
         LightPoint at;
         Vec2f on_lamp;
         float random;
+        float weight;
     };
-    [[nodiscard]] RankedLamps ranked(const Piece& piece) const;
-    [[nodiscard]] std::vector<Sample> samples(const Piece& piece, std::uint64_t purpose, std::uint32_t count) const;
+    /// Has points of its own on the piece.
+    struct CloseLamp {
+        std::uint32_t lamp;
+        LampCells cells;
+    };
+    struct Lamps {
+        RankedLamps far;
+        std::vector<CloseLamp> close;
+    };
+    [[nodiscard]] Lamps lamps_of(const Piece& piece) const;
+    /// `cells`: null for places that are even.
+    [[nodiscard]] std::vector<Sample> samples(const Piece& piece, std::uint64_t purpose, std::uint32_t count, const LampCells* cells = nullptr) const;
+    /// Of each close lamp at points of its own: what it gives to the mean at each of them, one row after the other.
+    [[nodiscard]] std::vector<Rgb> close_light(const Piece& piece, std::span<const CloseLamp> close, std::uint64_t purpose, std::uint32_t count) const;
 
     const Scene& scene_;
     LampLight lamps_;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "baker/core/units.h"
 #include "tests/support/scenes.h"
 
 namespace luxel {
@@ -96,6 +97,29 @@ struct LitFloor {
     Scene scene;
     Tracer tracer;
 };
+
+/// What a plane gets within the spot stays; no point of it gets more than 2 I / R^2.
+TEST(Lamps, ASpotOnASurfaceCloseByIsSpreadEvenly) {
+    Lamp lamp;
+    lamp.direction = {0, -1, 0};
+    lamp.intensity = {3, 3, 3};
+    constexpr float spot_m = 0.5f;
+    for (const float height : {0.001f, 0.1f, 0.4f}) {
+        lamp.position = {0, height, 0};
+        const double radius = std::sqrt(static_cast<double>(spot_m * spot_m - height * height));
+        double flux = 0;
+        constexpr int rings = 2000;
+        for (int k = 0; k < rings; ++k) {
+            const double r = radius * (k + 0.5) / rings;
+            const Vec3f at(static_cast<float>(r), 0, 0), up(0, 1, 0);
+            const float light = unshadowed_irradiance(lamp, at, up).x * spread_in_spot(lamp, at, up, spot_m);
+            EXPECT_LE(light, 2 * lamp.intensity.x / (spot_m * spot_m) * 1.0001f);
+            flux += 2 * pi * r * (radius / rings) * static_cast<double>(light);
+        }
+        EXPECT_NEAR(flux / (3 * 2 * pi * (1 - static_cast<double>(height / spot_m))), 1, 1e-3) << height;
+        EXPECT_EQ(spread_in_spot(lamp, {0.51f, 0, 0}, {0, 1, 0}, spot_m), 1.0f);
+    }
+}
 
 TEST(LampLight, ShadowsOfEveryKind) {
     LitFloor floor;

@@ -185,5 +185,31 @@ TEST(LampStrengths, HoldsEveryLampThatLightsAPointNearby) {
     EXPECT_GT(lit, 1000);
 }
 
+/// Solid angle of the rectangle from the corner (0, 0) to (x, z), seen from the height h above that corner; odd in x and z.
+double corner_angle(double x, double z, double h) { return std::atan(x * z / (h * std::sqrt(x * x + z * z + h * h))); }
+
+/// A lamp two centimetres above a floor of texels of more than a metre: each gets the intensity times its solid angle over its area. Even points would miss the spot,
+/// or find it a thousand times too bright.
+TEST(TexelLamps, ALampCloseToALargeTexel) {
+    auto made = test::prepare(SceneMaker().add("floor", quad({0, 0, 0}, {0, 0, floor_side}, {floor_side, 0, 0})).build(), {.texels_per_metre = 0.8});
+    Lamp lamp;
+    lamp.direction = {0, -1, 0};
+    lamp.position = {3.3f - static_cast<float>(made->scene.origin.x), 0.02f - static_cast<float>(made->scene.origin.y), 6.1f - static_cast<float>(made->scene.origin.z)};
+    lamp.intensity = {1, 1, 1};
+    made->scene.lamps = {lamp};
+    double largest = 0, all = 0;
+    for (const FloorTexel& texel : light_floor(*made, {.points = 16, .edge_points = 128})) {
+        const Vec3f a = texel.place.origin - lamp.position, b = a + texel.place.side_u + texel.place.side_v;
+        const auto part = [&](float x, float z) { return corner_angle(static_cast<double>(x), static_cast<double>(z), 0.02); };
+        const double angle = std::fabs(part(b.x, b.z) - part(a.x, b.z) - part(b.x, a.z) + part(a.x, a.z));
+        const double area = static_cast<double>(std::fabs(texel.place.side_u.cross(texel.place.side_v).length()));
+        const double expected = angle / area;
+        largest = std::max(largest, expected), all += angle;
+        EXPECT_NEAR(static_cast<double>(texel.light.x) / expected, 1, expected > 1 ? 0.05 : 0.2) << a.x << " " << a.z;
+    }
+    EXPECT_GT(largest, 1);
+    EXPECT_GT(all, 6) << "nearly half of all directions end on the floor";
+}
+
 }  // namespace
 }  // namespace luxel
