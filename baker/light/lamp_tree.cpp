@@ -8,7 +8,7 @@
 namespace luxel {
 namespace {
 
-float power_of(const Lamp& lamp) { return lamp.intensity.x + lamp.intensity.y + lamp.intensity.z; }
+double power_of(const Lamp& lamp) { return static_cast<double>(lamp.intensity.x) + static_cast<double>(lamp.intensity.y) + static_cast<double>(lamp.intensity.z); }
 
 /// What is left of `random` for the next choice.
 double rest_of(double random, double before, double share) { return std::clamp((random - before) / share, 0.0, 0x1.fffffep-1); }
@@ -48,28 +48,28 @@ std::uint32_t LampTree::add_node(std::uint32_t first, std::uint32_t end) {
     return index;
 }
 
-float LampTree::importance(const Node& node, const LitPoint& at) {
+double LampTree::importance(const Node& node, const LitPoint& at) {
     const Vec3f to_center = node.center - at.position;
     const float distance = to_center.length();
     if (distance - node.radius_m >= node.reach_m) return 0;
     const float nearest = std::max({distance, node.radius_m, 1e-12f});  // from inside the ball any distance is possible
     const float cosine = std::clamp((to_center.dot(at.normal) + node.radius_m) / nearest, 0.0f, 1.0f);
-    return node.power * cosine / (nearest * nearest);
+    return node.power * static_cast<double>(cosine) / (static_cast<double>(nearest) * static_cast<double>(nearest));
 }
 
-float LampTree::strength(std::uint32_t lamp, const LitPoint& at, float spot_m) const {
+double LampTree::strength(std::uint32_t lamp, const LitPoint& at, float spot_m) const {
     const float plain = lamp_strength(lamps_[lamp], at.position, 0, &at.normal);
-    return plain > 0 ? plain * spread_in_spot(lamps_[lamp], at.position, at.normal, spot_m) : 0;
+    return plain > 0 ? static_cast<double>(plain) * static_cast<double>(spread_in_spot(lamps_[lamp], at.position, at.normal, spot_m)) : 0;
 }
 
 std::optional<LampTable::Choice> LampTree::choose_of(std::uint32_t first, std::uint32_t end, const LitPoint& at, double random, float spot_m) const {
     double total = 0;
-    for (std::uint32_t k = first; k < end; ++k) total += static_cast<double>(strength(order_[k], at, spot_m));
+    for (std::uint32_t k = first; k < end; ++k) total += strength(order_[k], at, spot_m);
     if (!(total > 0)) return {};
     std::optional<LampTable::Choice> chosen;  // the last one with light, where rounding leaves a little
     double before = 0;
     for (std::uint32_t k = first; k < end; ++k) {
-        const double share = static_cast<double>(strength(order_[k], at, spot_m)) / total;
+        const double share = strength(order_[k], at, spot_m) / total;
         if (!(share > 0)) continue;
         chosen = {order_[k], static_cast<float>(share), static_cast<float>(rest_of(random, before, share))};
         before += share;
@@ -86,8 +86,8 @@ std::optional<LampTable::Choice> LampTree::choose(const LitPoint& at, float rand
         if (chosen) chosen->probability *= static_cast<float>(probability);
         return chosen;
     };
-    double by_tree = nodes_.empty() ? 0 : static_cast<double>(importance(nodes_.front(), at)), from_afar = 0;
-    for (std::size_t k = directional_; k < order_.size(); ++k) from_afar += static_cast<double>(strength(order_[k], at, spot_m));
+    double by_tree = nodes_.empty() ? 0 : importance(nodes_.front(), at), from_afar = 0;
+    for (std::size_t k = directional_; k < order_.size(); ++k) from_afar += strength(order_[k], at, spot_m);
     if (!(by_tree + from_afar > 0)) return {};
     by_tree /= by_tree + from_afar;
     if (left >= by_tree) {
@@ -97,7 +97,7 @@ std::optional<LampTable::Choice> LampTree::choose(const LitPoint& at, float rand
     take(0, by_tree);
     std::uint32_t node = 0;
     while (nodes_[node].right != 0) {
-        const double a = static_cast<double>(importance(nodes_[node + 1], at)), b = static_cast<double>(importance(nodes_[nodes_[node].right], at));
+        const double a = importance(nodes_[node + 1], at), b = importance(nodes_[nodes_[node].right], at);
         if (!(a + b > 0)) return {};
         const double first = a / (a + b);
         if (left < first) {

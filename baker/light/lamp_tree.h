@@ -13,9 +13,9 @@
 
 namespace luxel {
 
-/// Unit normal, m relative to Scene::origin.
 struct LitPoint {
-    Vec3f position, normal;
+    Vec3f position;  ///< m, relative to Scene::origin
+    Vec3f normal;    ///< unit, geometric, of the side that is lit
 };
 
 class LampTree {
@@ -35,16 +35,17 @@ class LampTree {
     struct Node {
         Vec3f center;
         float radius_m;          ///< around all lamps below, with their own
-        float power;             ///< sum of their intensities, all channels
+        double power;            ///< cd, sum of their intensities, all channels
         float reach_m;           ///< of the one that reaches farthest; infinite without a range
         std::uint32_t first, end;  ///< run in order_
         std::uint32_t right;     ///< index of the second child, the first is the next node; 0: a leaf
     };
     std::uint32_t add_node(std::uint32_t first, std::uint32_t end);
-    [[nodiscard]] static float importance(const Node& node, const LitPoint& at);
+    /// About what it gives, lux. In double: the brightest lamps at the smallest distances are beyond single precision.
+    [[nodiscard]] static double importance(const Node& node, const LitPoint& at);
     /// One of a run of order_, weighed exactly.
     [[nodiscard]] std::optional<LampTable::Choice> choose_of(std::uint32_t first, std::uint32_t end, const LitPoint& at, double random, float spot_m) const;
-    [[nodiscard]] float strength(std::uint32_t lamp, const LitPoint& at, float spot_m) const;
+    [[nodiscard]] double strength(std::uint32_t lamp, const LitPoint& at, float spot_m) const;
 
     std::span<const Lamp> lamps_;
     std::vector<std::uint32_t> order_;      ///< lamps of the tree, then directional ones

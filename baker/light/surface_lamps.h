@@ -1,6 +1,6 @@
 /// Mean light of lamps over a piece of surface: of a texel (texel_lamps.h), of a patch (patch_lamps.h). Which lamps are tested at many points
 /// of it, a few first points decide, which then no longer count: no value decides about itself, so the mean is true also for
-/// light through gaps that are thinner than the piece.
+/// light through gaps that are thinner than the piece. A lamp that is closer than the piece is wide has points of its own on it (lamp_cells.h).
 ///
 /// Errors: none. Threads: const and reentrant; a pure function of geometry, lamps and seeds.
 /// Source: Kirk and Arvo, Unbiased Sampling Techniques for Image Synthesis, SIGGRAPH 1991 (why the samples that decide may not count).

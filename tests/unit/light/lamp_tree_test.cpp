@@ -69,6 +69,23 @@ TEST(LampTree, ALampCloseByIsChosenOften) {
     EXPECT_GT(often, 0.1) << "it has nearly all light, and is one of 300";
 }
 
+/// Intensity over the square of a distance beyond single precision.
+TEST(LampTree, TheBrightestLampsAtTheSmallestDistances) {
+    std::vector<Lamp> lamps = level();
+    for (Lamp& lamp : lamps) lamp.intensity *= 1e37f;
+    const LampTree tree(lamps);
+    const LitPoint at{lamps[200].position - Vec3f(0, 1e-6f, 0), {0, 1, 0}};
+    int chosen = 0;
+    for (int k = 0; k < 64; ++k) {
+        const auto choice = tree.choose(at, (static_cast<float>(k) + 0.5f) / 64, 0.01f);
+        if (!choice) continue;
+        ++chosen;
+        EXPECT_GT(choice->probability, 0.0f);
+        EXPECT_LE(choice->probability, 1.0f);
+    }
+    EXPECT_GT(chosen, 0);
+}
+
 TEST(LampTree, WithoutLampsThereIsNoChoice) {
     const LampTree tree({});
     EXPECT_TRUE(tree.empty());
